@@ -57,11 +57,8 @@ class Coarse:
     def read(self) -> ForceSample:
         """The newest sample, rounded."""
         sample = self._sensor.read()
-        return replace(
-            sample,
-            force_n=np.round(sample.force_n / self._step_n) * self._step_n,
-            torque_nm=np.round(sample.torque_nm / TORQUE_STEP_NM) * TORQUE_STEP_NM,
-        )
+        steps = np.repeat([self._step_n, TORQUE_STEP_NM], 3)
+        return replace(sample, loads=tuple((np.round(np.array(sample.loads) / steps) * steps).tolist()))
 
 
 def clean_run(

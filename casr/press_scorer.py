@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any
 
 import numpy as np
@@ -25,7 +25,7 @@ from casr.flow.region import Region
 from casr.flow.step import MOST_BAD_FRAMES, notes_by_frame
 from casr.frames import LoadingPhase
 from casr.front_spread import FEWEST_FRAMES, FrontSpread, front_doubt, front_spread
-from casr.pins import PinTracker, pins_in_doubt
+from casr.pins import Pins, PinSettings, PinTracker, pins_in_doubt
 from casr.scored import NO_SCALE, WHOLE_IMAGE, Score, ScoreSettings, SkinScore, SkinSpread, Spread, skin_interval
 from casr.spread import SpreadRate, contact_areas, spread_rate
 
@@ -76,8 +76,8 @@ class PressScorer:
 
         PinsError : too few pins. ImageError : not an image.
         """
-        self._at_rest = PinTracker(self._settings.flow.pins)
-        self._rest, self._last = self._at_rest.start(image), np.array(image)
+        self._last = image = np.array(image)
+        self._at_rest, self._rest = _started(image.tobytes(), image.shape, image.dtype.str, self._settings.flow.pins)
         return copy(self._at_rest)
 
     def touch(self, image: NDArray[Any]) -> bool:
@@ -358,6 +358,15 @@ class PressScorer:
             rule="given", selected=np.flatnonzero(region.contains(self._contact_px)), polygon_px=region.polygon_px,
             notes=(),
         )  # fmt: skip
+
+
+@lru_cache(maxsize=2)  # every algorithm that scores a press begins with its rest frame
+def _started(
+    pixels: bytes, shape: tuple[int, ...], dtype: str, settings: PinSettings | None
+) -> tuple[PinTracker, Pins]:
+    """What follows pins from this image on, which is to be copied, and the pins in it."""
+    tracker = PinTracker(settings)
+    return tracker, tracker.start(np.frombuffer(pixels, dtype).reshape(shape))
 
 
 def _flat(region: Region, camera: Camera | None) -> Region:

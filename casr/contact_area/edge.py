@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -206,8 +207,19 @@ def fit_edge(motion: PinMotion, near: ContactEdge | None = None) -> ContactEdge:
 
     motion : of all pins, moved or not. near : edge of a frame close by, to begin with instead of several sizes.
     """
-    rest, displacement = (points[:, 0] + 1j * points[:, 1] for points in (motion.rest_px, motion.displacement_px))
-    pitch_px = motion.pitch_px
+    rest, displacement = motion.rest_px, motion.displacement_px
+    return _fitted(
+        rest.tobytes(), displacement.tobytes(), motion.pitch_px, None if near is None else near.parameters.tobytes()
+    )
+
+
+@lru_cache(maxsize=4)  # every algorithm that scores a press asks for the edge of its first contact
+def _fitted(rest_px: bytes, displacement_px: bytes, pitch_px: float, near: bytes | None) -> ContactEdge:
+    """Of the bytes of arrays."""
+    rest, displacement = (
+        points[:, 0] + 1j * points[:, 1]
+        for points in (np.frombuffer(each).reshape(-1, 2) for each in (rest_px, displacement_px))
+    )
     middle = rest.mean()
     rim = np.log(np.abs(rest - middle).max() + pitch_px)
     moved = np.abs(displacement) ** 3
@@ -216,7 +228,7 @@ def fit_edge(motion: PinMotion, near: ContactEdge | None = None) -> ContactEdge:
     if near is None:
         starts = [np.array([centre.real, centre.imag, np.log(n * pitch_px), 0.0, 0.0, rim]) for n in START_PITCHES]
     else:
-        starts = [near.parameters]
+        starts = [np.frombuffer(near)]
     best = field.lowest(starts, ENOUGH_TO_CHOOSE)
     for sizes in (NEXT_SIZES, (0.0,)):
         field = field.trusting(best)
@@ -228,7 +240,7 @@ def _edge(field: DisplacementField, p: Array) -> ContactEdge:
     strengths, shift = field.strengths(p)
     size, oblong = float(np.exp(p[2])), float(np.hypot(p[3], p[4]))
     return ContactEdge(
-        centre_px=p[:2], a_px=size * float(np.exp(-oblong)), b_px=size * float(np.exp(oblong)),
+        centre_px=p[:2].copy(), a_px=size * float(np.exp(-oblong)), b_px=size * float(np.exp(oblong)),
         turn_deg=float(np.rad2deg(np.arctan2(p[4], p[3]) / 2)), stretch=float(strengths.sum()),
         shift_px=np.array([shift.real, shift.imag]), area_error=2 * float(field.standard_errors(p)[2]),
         explained=field.explained(p), parameters=p,

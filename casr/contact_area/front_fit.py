@@ -8,6 +8,7 @@ area over force and its rate follow afterwards.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -262,43 +263,42 @@ class _Search:
             other = replace(view, pole_px=(x, y))
             return other, _unit(_through(middle_px, other) + place[:2] @ across)
 
-        def left(place: Array) -> Array:
-            other, middle = at(place)
-            of_pins = self._left(other, middle, world, radius[best])
-            return (
-                of_pins
-                if stated_px is None
-                else np.append(of_pins, drawn * np.subtract(other.pole_px, stated_px) / px_per_mm)
-            )
-
-        unknown = np.eye(2 if stated_px is None else 4)
-        here = left(0 * unknown[0])
-        slopes = np.array([left(_SMALL_RAD * each) - here for each in unknown]) / _SMALL_RAD
+        n_unknown = 2 if stated_px is None else 4
+        places = np.concatenate([np.zeros((1, n_unknown)), _SMALL_RAD * np.eye(n_unknown)])
+        views, axes = zip(*map(at, places), strict=True)
+        left = self._left(views, axes, world, radius[best])
+        if stated_px is not None:
+            off_px = np.subtract([each.pole_px for each in views], stated_px)
+            left = np.concatenate([left, drawn * off_px / px_per_mm], axis=1)
+        here, slopes = left[0], (left[1:] - left[0]) / _SMALL_RAD
         move = -np.linalg.lstsq(slopes.T, here, rcond=None)[0].clip(-_CENTRE_REACH_RAD, _CENTRE_REACH_RAD)
         found, middle = at(move)
         return self.seen_by(found), middle, float(np.abs(move).max())
 
-    def _left(self, view: DomeView, axis: Array, world: Library, radius_mm: Array) -> Array:
-        """Residuals of all frames near radii (T,) in a view, by the best radius, amplitude and pull of each frame."""
-        around = view.around(view.directions(self._rest_px), np.tile(axis, (len(self._rest_px), 1)))
-        motion = around.moved_px(*world.motion_at(around.arc_mm, np.float64))[..., 0]  # (N, 2, R)
+    def _left(self, views: Sequence[DomeView], axes: Sequence[Array], world: Library, radius_mm: Array) -> Array:
+        """(V, ...) residuals of all frames near radii (T,) in views that differ in their pole, by the best radius,
+        amplitude and pull of each frame."""
+        n_views, n_pins = len(views), len(self._rest_px)
+        every = replace(views[0], pole_px=np.repeat([each.pole_px for each in views], n_pins, axis=0))
+        around = every.around(every.directions(np.tile(self._rest_px, (n_views, 1))), np.repeat(axes, n_pins, axis=0))
+        motion = around.moved_px(*world.motion_at(around.arc_mm, np.float64))[..., 0]  # (V N, 2, R)
         step = world.radius_mm[1] - world.radius_mm[0]
         place = np.clip((radius_mm - world.radius_mm[0]) / step, 0, world.radius_mm.size - 1.000001)
         low = place.astype(np.intp)
         by_radius = motion[..., low + 1] - motion[..., low]
         columns = [motion[..., low] + (place - low) * by_radius, by_radius]
         if self.sheared:
-            columns += list(self.along(around, radius_mm)[0].reshape(len(low), 2, -1, 2).transpose(1, 2, 3, 0))
+            pulled = self.along(around, radius_mm).reshape(n_views, len(low), 2, n_pins, 2)
+            columns += list(pulled.transpose(2, 0, 3, 4, 1).reshape(2, -1, 2, len(low)))
         seen = self._seen[..., None, None]
-        basis = np.array(columns).transpose(3, 1, 2, 0)  # (T, N, 2, C)
-        basis = seen * (basis - (seen * basis).sum(axis=1, keepdims=True) / seen.sum(axis=1, keepdims=True))
+        basis = np.array(columns).reshape(len(columns), n_views, n_pins, 2, len(low)).transpose(1, 4, 2, 3, 0)
+        basis = seen * (basis - (seen * basis).sum(axis=2, keepdims=True) / seen.sum(axis=1, keepdims=True))
         drawn = np.sqrt(PULL * self._power)[:, None]  # of the amplitude to 1
-        basis = np.concatenate(
-            [basis.reshape(len(low), -1, len(columns)), drawn[..., None] * np.eye(len(columns))[:1]], axis=1
-        )
+        pull = np.broadcast_to(drawn[..., None] * np.eye(len(columns))[:1], (n_views, len(low), 1, len(columns)))
+        basis = np.concatenate([basis.reshape(n_views, len(low), -1, len(columns)), pull], axis=2)
         moved = np.concatenate([self._moved_px.reshape(len(low), -1), drawn], axis=1)[..., None]
         own = np.linalg.qr(basis)[0]
-        return np.asarray((moved - own @ (own.transpose(0, 2, 1) @ moved)).ravel())
+        return np.asarray((moved - own @ (own.swapaxes(2, 3) @ moved)).reshape(n_views, -1))
 
 
 class _Held:

@@ -12,7 +12,7 @@ from casr.camera import Camera, distorted, undistorted
 from casr.contact_area.front import LEAST_PINS, ContactFront
 from casr.contact_area.front_fit import POLE_SD_MM, FrontFit, HeldFit, fit_front
 from casr.dome.library import Library, tables_of, worlds
-from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView
+from casr.dome.view import INNER_RADIUS_MM, OUTER_RADIUS_MM, DomeView, Pole
 from casr.errors import CameraError
 
 Array = NDArray[np.float64]
@@ -336,9 +336,7 @@ def _misfit(fit: FrontFit, pins_px: Array) -> float:
     return float(np.sqrt(max(left, 0.0) / max(fit.moved_px2, 1e-12)))
 
 
-def _notes(
-    misfit: float, usual: float, fit: FrontFit, library: Library, stated_px: tuple[float, float]
-) -> tuple[str, ...]:
+def _notes(misfit: float, usual: float, fit: FrontFit, library: Library, stated_px: Pole) -> tuple[str, ...]:
     notes: list[str] = []
     (x, y), (stated_x, stated_y) = fit.view.pole_px, stated_px
     if np.hypot(x - stated_x, y - stated_y) > POLE_SD_MM * fit.view.focal_px[0] / fit.view.depth_mm:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Points = NDArray[np.float64]
+Pole = tuple[float, float] | Points
 Real = TypeVar("Real", np.float32, np.float64)
 
 OUTER_RADIUS_MM, SKIN_MM = 20.0, 1.0
@@ -23,13 +24,13 @@ class DomeView:
 
     Millimetres are those of the sensor over ``scale``: a dome of another radius is the same dome in other units.
 
-    focal_px : (2,) along x and y. pole_px : (2,) where the dome's axis meets the image.
+    focal_px : (2,) along x and y. pole_px : (2,) where the dome's axis meets the image, or (N, 2) for each pin.
     depth_mm : from the camera to the tip of a pin at the pole, at rest.
     pin_length_mm : from the skin's inside to the tip. inner_radius_mm : of the skin, where pins stand.
     """
 
     focal_px: tuple[float, float]
-    pole_px: tuple[float, float]
+    pole_px: Pole
     depth_mm: float
     pin_length_mm: float
     inner_radius_mm: float = INNER_RADIUS_MM
@@ -134,20 +135,22 @@ class PinsAroundAxis:
             )
         )
 
-        def coordinate(k: int) -> NDArray[Real]:
-            place: NDArray[Real] = out * outward[k]
+        room, place = turned, np.empty_like(turned)
+
+        def coordinate(k: int, place: NDArray[Real]) -> NDArray[Real]:
+            np.multiply(out, outward[k], out=place)
             place += tips[k]
-            place += up * axis[k]
+            place += np.multiply(up, axis[k], out=room)
             if pulled_mm is not None:
                 place += pulled_mm[:, k]
             return place
 
-        away = coordinate(2)
+        away = coordinate(2, np.empty_like(turned))
         away += kind.type(self.view.behind_mm)
         per_mm = np.divide(1, away, out=away)
         moved = np.empty((len(tilt_rad), 2, *tilt_rad.shape[1:]), dtype=kind)
         for k in range(2):
-            place = coordinate(k)
+            coordinate(k, place)
             place *= kind.type(self.view.focal_px[k])
             place *= per_mm
             np.subtract(place, rest_px[k], out=moved[:, k])

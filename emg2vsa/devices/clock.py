@@ -116,13 +116,15 @@ class Beat:
         now_s = self._clock.now_s()
         if self._last_s is not None:
             self._errors_s.append(abs(now_s - self._last_s - self._period_s))
-        over = int((now_s - due_s) / self._period_s)
-        self._last_s, self._beat = now_s, self._beat + 1 + over
+        self._last_s, late_s = now_s, now_s - due_s
+        self._beat += 1
         self._turns += 1
-        self._overruns += over
-        late_s = now_s - due_s
-        self._late += late_s >= LATE_PERIODS * self._period_s
-        self._latest_s = max(self._latest_s, late_s)
+        if late_s > 0:
+            over = int(late_s / self._period_s)
+            self._beat += over
+            self._overruns += over
+            self._late += late_s >= LATE_PERIODS * self._period_s
+            self._latest_s = max(self._latest_s, late_s)
         return now_s, late_s
 
     def timing(self) -> LoopTiming:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 if TYPE_CHECKING:  # a run with nothing to do knows folders of runs without loading NumPy
@@ -32,28 +33,43 @@ class ForceSample:
     """One reading.
 
     time_s : when it arrived, on the rig's clock.
-    force_n, torque_nm : (3,) along x, y, z of the sensor, N and N·m.
+    loads : force and torque along x, y, z of the sensor, N and N·m; six plain numbers, as a turn of the loop looks at
+        them many times.
     status : of this reading.
     sequence : the sensor's own number of it: another reading has another number. None where it counts none.
-    loads : the six of force and torque as plain numbers: a turn of the loop looks at them many times.
-    size_n, torque_size_nm : lengths of both.
+    size_n, torque_size_nm : lengths of force and torque.
     """
 
     time_s: float
-    force_n: NDArray[np.float64]
-    torque_nm: NDArray[np.float64]
+    loads: tuple[float, ...]
     status: SensorStatus = SensorStatus()
     sequence: int | None = None
-    loads: tuple[float, ...] = field(init=False, repr=False)
     size_n: float = field(init=False, repr=False)
     torque_size_nm: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        fx, fy, fz = force = self.force_n.tolist()
-        tx, ty, tz = torque = self.torque_nm.tolist()
-        size_n, torque_size_nm = math.sqrt(fx * fx + fy * fy + fz * fz), math.sqrt(tx * tx + ty * ty + tz * tz)
-        # a frozen dataclass
-        self.__dict__.update(loads=(*force, *torque), size_n=size_n, torque_size_nm=torque_size_nm)
+        fx, fy, fz, tx, ty, tz = self.loads
+        own = self.__dict__  # a frozen dataclass
+        own["size_n"], own["torque_size_nm"] = (
+            math.sqrt(fx * fx + fy * fy + fz * fz),
+            math.sqrt(tx * tx + ty * ty + tz * tz),
+        )
+
+    @cached_property
+    def force_n(self) -> NDArray[np.float64]:
+        """(3,) N."""
+        return _array(self.loads[:3])
+
+    @cached_property
+    def torque_nm(self) -> NDArray[np.float64]:
+        """(3,) N·m."""
+        return _array(self.loads[3:])
+
+
+def _array(values: tuple[float, ...]) -> NDArray[np.float64]:
+    import numpy as np  # noqa: PLC0415  (who only looks at folders of runs does without)
+
+    return np.array(values, dtype=np.float64)
 
 
 class ForceCounts(NamedTuple):

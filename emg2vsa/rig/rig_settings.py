@@ -14,9 +14,6 @@ from emg2vsa.devices.qbmove.ticks import in_degrees
 from emg2vsa.settings import Ge, Gt, Le, NonNegative, Positive
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
     from emg2vsa.devices.protocols import ForceSample
 
 
@@ -148,7 +145,9 @@ class RigSettings:
 
     def pushing_n(self, sample: ForceSample) -> float:
         """Force along ``push_axis``, N."""
-        return float(sample.force_n.dot(self._push_axis))
+        fx, fy, fz = sample.loads[:3]
+        x, y, z = self.push_axis
+        return fx * x + fy * y + fz * z
 
     @cached_property
     def lever_m(self) -> float:
@@ -159,12 +158,6 @@ class RigSettings:
     def _mm_per_turn(self) -> float:
         # of 0.2 mm per degree exactly 72, so that depths of whole ticks are not rounded
         return self.gear_mm_per_degree * 360
-
-    @cached_property
-    def _push_axis(self) -> NDArray[np.float64]:
-        import numpy as np  # noqa: PLC0415  (who only reads a rig file does without)
-
-        return np.array(self.push_axis, dtype=np.float64)
 
 
 def axis_of(rig: Mapping[str, Any]) -> RigSettings:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import asdict
+from operator import mul
 from typing import Any
-
-import numpy as np
 
 from emg2vsa.devices.board import no_address
 from emg2vsa.devices.clock import Clock, awaited
@@ -92,7 +91,7 @@ class NetFt:
         self._command = Command.BUFFERED if buffered else Command.STREAM
         self._stale_s, self._frozen_s = stale_s, frozen_s
         self._status = axia_status if config.axia else netbox_status
-        self._scale = np.repeat([config.n_per_count, config.nm_per_count], 3)
+        self._scale = (config.n_per_count,) * 3 + (config.nm_per_count,) * 3
         self._forget()
 
     def start(self) -> None:
@@ -133,8 +132,8 @@ class NetFt:
             self._line.close()
 
     def _sample(self, record: Record, time_s: float) -> ForceSample:
-        wrench = np.array(record.counts) * self._scale
-        return ForceSample(time_s, wrench[:3], wrench[3:], self._status(record.status), record.ft_sequence)
+        loads = tuple(map(mul, record.counts, self._scale))
+        return ForceSample(time_s, loads, self._status(record.status), record.ft_sequence)
 
     def _forget(self) -> None:
         self._records = self._missing = self._late = self._duplicated = self._refused = 0

@@ -75,6 +75,11 @@ class Qbmove(Board):
         self._clock, self.stiffness_percent, self._reply_s = clock, stiffness_percent, reply_s
         self._watchdog = round(watchdog_s * _WATCHDOG_STEPS_PER_S)
         self._limits: QbmoveLimits | None = None
+        self._commanded: tuple[float, float] | None = None
+        "Position and preset of the newest command, within the limits, and its words."
+        self._words = 0, 0
+        self._read: tuple[int, ...] = 0, 0, 0
+        self._at = Ticks(0, 0, 0).measurements()
         self._watching = False
 
     def close(self) -> None:
@@ -155,6 +160,7 @@ class Qbmove(Board):
         info = self.info()
         self._limits = QbmoveLimits(self.where, info, self.stiffness_percent)
         self._limits.check_ready()
+        self._commanded = None
         self.joint = self._joint_of(info)
         self._watching = True
         for _ in range(_ATTEMPTS):
@@ -197,6 +203,12 @@ class Qbmove(Board):
         """Equilibrium (q1 + q2)/2, degrees, and preset (q1 - q2)/2, share of the device's own maximum; both to the
         nearest tick. DeviceError outside the device's or the study's limits."""
         limits = self._ready_limits()
+        if (position_deg, preset) != self._commanded:
+            self._words, self._commanded = self._words_of(limits, position_deg, preset), (position_deg, preset)
+        self._tell_ticks(Command.SET_POS_STIFF, *self._words)
+
+    def _words_of(self, limits: QbmoveLimits, position_deg: float, preset: float) -> tuple[int, int]:
+        """Position and stiffness of SET_POS_STIFF."""
         asked = position_deg / DEG_PER_TICK, preset * limits.info.max_stiffness_ticks
         position_ticks, preset_ticks = self._whole("a position and a preset that are numbers", *asked)
         limits.check_position(position_ticks)
@@ -205,7 +217,7 @@ class Qbmove(Board):
         if stiffness > 0x7FFF:
             below = "a preset below the device's maximum"
             raise self._trouble(below, f"{preset_ticks} ticks", "Ask for one tick less.")
-        self._tell_ticks(Command.SET_POS_STIFF, position_ticks, stiffness)
+        return position_ticks, stiffness
 
     def position_deg(self) -> float:
         """Equilibrium (q1 + q2)/2 of the motors where they stand."""
@@ -214,7 +226,10 @@ class Qbmove(Board):
 
     def measurements(self) -> Measurements:
         """Motors and shaft."""
-        return self.ticks().measurements()
+        words = self._ask_words(Command.GET_MEASUREMENTS, 3)
+        if words != self._read:
+            self._read, self._at = words, Ticks(*words).measurements()
+        return self._at
 
     def ticks(self) -> Ticks:
         """Motors and shaft as they are on the wire."""
@@ -222,7 +237,8 @@ class Qbmove(Board):
 
     def currents_a(self) -> tuple[float, ...]:
         """Motor currents with the sign of the PWM. (134, currents and positions at once, loses the shaft.)"""
-        return tuple(current_ma / 1000 for current_ma in self._ask_words(Command.GET_CURRENTS, 2))
+        first_ma, second_ma = self._ask_words(Command.GET_CURRENTS, 2)
+        return first_ma / 1000, second_ma / 1000
 
     def current_limit_a(self) -> float:
         """Largest current of a motor as the device told at its activation; its firmware keeps it only in the current

@@ -12,7 +12,7 @@ import math
 import re
 import struct
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -155,13 +155,20 @@ class QbmoveLimits:
 
     def check_position(self, position_ticks: int) -> None:
         """DeviceError outside the positions that leave room for full stiffness: the firmware clips to them."""
-        self._inside("position", position_ticks, self.info.roomy_ticks, "ticks, at which every stiffness has room")
+        self._inside("position", position_ticks, self._roomy_ticks, "ticks, at which every stiffness has room")
 
     def check_preset(self, preset_ticks: int) -> None:
         """DeviceError outside the study's range of stiffness."""
+        self._inside("stiffness preset", preset_ticks, *self._presets)
+
+    @cached_property
+    def _roomy_ticks(self) -> tuple[int, int]:
+        return self.info.roomy_ticks
+
+    @cached_property
+    def _presets(self) -> tuple[tuple[int, int], str]:
         low, high = (round(percent / 100 * self.info.max_stiffness_ticks) for percent in self.stiffness_percent)
-        text = "ticks, {:g} to {:g} % of the device's maximum".format(*self.stiffness_percent)
-        self._inside("stiffness preset", preset_ticks, (low, high), text)
+        return (low, high), "ticks, {:g} to {:g} % of the device's maximum".format(*self.stiffness_percent)
 
     def _inside(self, what: str, value: int, limits: tuple[int, int], text: str) -> None:
         if not limits[0] <= value <= limits[1]:

@@ -123,7 +123,7 @@ class ControlCycle:
                     f"{now_s - wanted.since_s:.1f} s after the press" if wanted.repetition else "before the press"
                 )
             self._enter(wanted, force)
-            with ending("lost device"):
+            with _DEVICE:
                 self._send(wanted)
                 self._turned_s, self._before = now_s, force
                 at, currents_a = self._devices.actuator.measurements(), self._devices.actuator.currents_a()
@@ -181,34 +181,36 @@ class ControlCycle:
         )  # fmt: skip
         try:
             self._record.row(row)
-            self._record.all_forces(self._devices.force.read_all)
+            if self._rig.record_full_rate_force:
+                self._record.all_forces(self._devices.force.read_all())
         except DeviceError as error:
             notes.append(str(error))
         return sample
 
     def _note_peak(self, sample: ForceSample) -> None:
         felt_n = sample.size_n
-        if math.isfinite(felt_n):
-            self.peak_force_n = max(self.peak_force_n or 0.0, felt_n)
+        if self.peak_force_n is None or felt_n > self.peak_force_n:  # no number is never larger
+            self.peak_force_n = felt_n if math.isfinite(felt_n) else self.peak_force_n
 
     def _feel(self) -> Force:
-        with ending("stale sensor"):
+        with _STALE:
             sample = self._devices.force.read()
         assert self.motion is not None
         self._note_peak(sample)
         self._witnesses.feel(sample, self.motion.phase)
-        with ending("recording"):
-            self._record.all_forces(self._devices.force.read_all)
+        if self._rig.record_full_rate_force:
+            with _RECORDING:
+                self._record.all_forces(self._devices.force.read_all())
         raw_n = self._rig.pushing_n(sample)
         return Force(raw_n, self._average.update(raw_n), sample)
 
     def _look(self, now_s: float) -> None:
         if self._devices.camera is None:
             return
-        with ending("lost camera"):
+        with _CAMERA:
             frames = self._devices.camera.frames()
         for frame in frames:
-            with ending("recording"):
+            with _RECORDING:
                 self._record.frame(frame)
             self._frame_s = now_s
 
@@ -216,7 +218,7 @@ class ControlCycle:
         # motors that have gone off do not follow, and that is then the cause
         astray = self._witnesses.seen.astray_deg > self._limits.following_deg
         if astray or now_s - self._asked_s >= self._limits.motors_every_s:
-            with ending("lost device"):
+            with _DEVICE:
                 self._active = self._devices.actuator.is_active()
             self._asked_s = now_s
 
@@ -242,7 +244,7 @@ class ControlCycle:
         if begins:
             # a zero error above the contact threshold would be mistaken for contact, and add to the press force
             self._free("before the press")
-            with ending("recording"):
+            with _RECORDING:
                 self._pressed = True
                 self._record.begin_press(wanted.repetition, force.sample.time_s)
 
@@ -305,7 +307,7 @@ class ControlCycle:
             now_s, self.motion.repetition, self.motion.phase, force.sample.time_s, force.raw_n, force.filtered_n,
             *sent, at, currents_a, self._record.frame_index, late_s, *loads_of(force.sample),
         )  # fmt: skip
-        with ending("recording"):
+        with _RECORDING:
             self._record.row(row)
 
 
@@ -321,7 +323,7 @@ def _answers_in_s(actuator: Actuator, clock: Clock) -> float:
 
 
 class ending:
-    """A DeviceError within ends the run for this cause. A class, as every turn of the loop enters many."""
+    """A DeviceError within ends the run for this cause. Made once: every turn of the loop enters many."""
 
     __slots__ = ("_cause",)
 
@@ -336,3 +338,6 @@ class ending:
     ) -> None:
         if isinstance(error, DeviceError):
             raise EndRun("guard", self._cause, str(error)) from error
+
+
+_STALE, _RECORDING, _CAMERA, _DEVICE = map(ending, ("stale sensor", "recording", "lost camera", "lost device"))

@@ -48,14 +48,14 @@ def advance(
         case "approach":
             if force_n >= plan.f_contact_n:
                 return motion._replace(phase="contact", since_s=now_s)
-            return motion._replace(depth_mm=motion.depth_mm + moved_mm)
+            return Motion("approach", motion.since_s, motion.depth_mm + moved_mm, motion.repetition, motion.step)
         case "contact":
             return _in_contact(motion, plan, force_n, now_s)
         case "load":
             step = max(motion.step, plan.step_at(force_n))
             if force_n + plan.lead_s * max(0.0, growth_n_per_s) >= plan.f_max_n:
                 return motion._replace(phase="retract", since_s=now_s, step=step)
-            return motion._replace(depth_mm=motion.depth_mm + moved_mm, step=step)
+            return Motion("load", motion.since_s, motion.depth_mm + moved_mm, motion.repetition, step)
         case "pause":
             return _after_pause(motion, plan, now_s)
     return motion
@@ -77,7 +77,7 @@ def _home(motion: Motion, plan: RunPlan, moved_mm: float, now_s: float) -> Motio
 def _back(motion: Motion, moved_mm: float, now_s: float) -> Motion:
     depth_mm = towards_home(motion.depth_mm, moved_mm)
     if depth_mm != 0:
-        return motion._replace(depth_mm=depth_mm)
+        return Motion("retract", motion.since_s, depth_mm, motion.repetition, motion.step)
     return Motion("pause", now_s, 0.0, motion.repetition)
 
 

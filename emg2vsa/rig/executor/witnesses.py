@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from functools import lru_cache
+from struct import Struct
 
 import numpy as np
 
@@ -21,6 +22,8 @@ _AT_REST_S = 0.55
 """Then motors and shaft have come to rest."""
 _RESTLESS_S = 0.05
 _RESTLESS_CHANGES = 20
+_READING = Struct("6d")
+"In bytes no number is the same as no number."
 DEAD_S = 0.02
 """From a command until a motor begins to follow, at most: bus and firmware."""
 
@@ -179,9 +182,9 @@ class SlowMotors:
         self._times_s = sorted({guards.following_s, min(guards.following_s, GuardSettings.following_s)}, reverse=True)
         self._motors = 1 if joint is None else len(joint.targets_deg(0.0, 0.0))
         self._slow = [list(at.motors_deg[: self._motors]) for _ in self._times_s]
-        self._sent: list[float] | None = None
-        self._obeyed: list[float] | None = None
-        self._on_their_way: deque[tuple[float, list[float]]] = deque()
+        self._sent: Sequence[float] | None = None
+        self._obeyed: Sequence[float] | None = None
+        self._on_their_way: deque[tuple[float, Sequence[float]]] = deque()
         self._now_s = 0.0
 
     def send(self, position_deg: float, preset: float, elapsed_s: float) -> None:
@@ -192,9 +195,9 @@ class SlowMotors:
             for time_s, slow in zip(self._times_s, self._slow, strict=True):
                 share = _share(elapsed_s, time_s)
                 for motor, command in enumerate(self._obeyed):
-                    step = share * (command - slow[motor])
-                    slow[motor] += -most if step < -most else most if step > most else step
-        targets_deg = [position_deg] if self._joint is None else list(self._joint.targets_deg(position_deg, preset))
+                    if step := share * (command - slow[motor]):
+                        slow[motor] += -most if step < -most else most if step > most else step
+        targets_deg = (position_deg,) if self._joint is None else self._joint.targets_deg(position_deg, preset)
         self._before, self._sent = self._sent or self._slow[0], targets_deg
         self._on_their_way.append((self._now_s + DEAD_S, self._sent))
         while self._on_their_way and self._on_their_way[0][0] <= self._now_s + 1e-9:
@@ -204,15 +207,10 @@ class SlowMotors:
         """How far outside of that the farther motor is, read right after the command."""
         if self._sent is None:
             return 0.0
-        farthest = 0.0
-        for motor, (seen, before, sent) in enumerate(
-            zip(at.motors_deg[: self._motors], self._before, self._sent, strict=True)
-        ):
-            low, high = (before, sent) if before < sent else (sent, before)
-            for slow in self._slow:
-                bound = slow[motor]
-                low, high = bound if bound < low else low, bound if bound > high else high
-            farthest = max(farthest, low - seen, seen - high)
+        farthest, motors_deg, before, sent = 0.0, at.motors_deg, self._before, self._sent
+        for motor in range(self._motors):
+            bounds = before[motor], sent[motor], *[slow[motor] for slow in self._slow]
+            farthest = max(farthest, min(bounds) - motors_deg[motor], motors_deg[motor] - max(bounds))
         return farthest
 
 
@@ -229,14 +227,14 @@ class Stillness:
     """
 
     def __init__(self) -> None:
-        self._last: tuple[bytes, bytes] | None = None
+        self._last: bytes | None = None
         self._changed_s, self._from_mm, self._changes, self._calm = 0.0, 0.0, 0, False
         self.still_mm = 0.0
         self.still_s: float | None = None
 
     def see(self, sample: ForceSample, depth_mm: float, phase: Phase) -> None:
         """The sample of a turn, the depth of the motors, and what they do."""
-        reading = sample.force_n.tobytes(), sample.torque_nm.tobytes()
+        reading = _READING.pack(*sample.loads)
         if reading != self._last:
             if phase in ("approach", "pause"):
                 self._calm = self._calm or (self._last is not None and sample.time_s - self._changed_s > _RESTLESS_S)
@@ -253,11 +251,13 @@ class MeanCurrent:
     """Of the last turns, A, of the motor that draws more."""
 
     def __init__(self) -> None:
-        self._currents: deque[tuple[float, ...]] = deque(maxlen=_CURRENT_TURNS)
+        self._currents: list[deque[float]] = []
+        "Of each motor."
 
     def see(self, currents_a: tuple[float, ...]) -> float:
         """One more reading; the mean with it, 0 before there are enough."""
-        self._currents.append(tuple(map(abs, currents_a)))
-        if len(self._currents) < _CURRENT_TURNS:
-            return 0.0
-        return max(map(sum, zip(*self._currents, strict=True))) / _CURRENT_TURNS
+        if not self._currents:
+            self._currents = [deque(maxlen=_CURRENT_TURNS) for _ in currents_a]
+        for newest, current_a in zip(self._currents, currents_a, strict=True):
+            newest.append(abs(current_a))
+        return max(map(sum, self._currents)) / _CURRENT_TURNS if len(self._currents[0]) == _CURRENT_TURNS else 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -62,6 +62,7 @@ _OF_FORCE = _FIELDS[_FIELDS.index("fx_n") :]
 _KNOWN = (LogColumns(), LOG_COLUMNS)
 """Columns of logs that can be read: of every actuator, and of a qbmove."""
 _SHAFTS = {columns.names[4]: columns.per_degree for columns in _KNOWN}
+_UNSEEN: tuple[tuple[float, ...], None] = (), None
 _INTEGERS = {"repetition", "frame_index", "force_status", "force_sequence"}
 
 
@@ -90,12 +91,14 @@ class RunLog:
 
     def __init__(self, path: Path, columns: LogColumns, writer: Writer = AT_ONCE) -> None:
         self.path, self.rows, self._columns = path, 0, columns
+        _, per_degree, per_preset, per_ampere, _ = columns
+        self._scales = per_degree, per_preset, per_degree, per_degree, per_degree, per_ampere, per_ampere
         self._file = AppendFile(path, writer)
         self._file.append((",".join(header_of(columns)) + "\n").encode())
 
     def append(self, row: Row) -> None:
         """Write it, in one piece."""
-        values = (*row[:_BEFORE], *self._of_actuator(row), *row[_AFTER:])
+        values = row[:_BEFORE] + self._of_actuator(row) + row[_AFTER:]
         self._file.append((_form(tuple(map(type, values))) % values).encode())
         self.rows += 1
 
@@ -103,15 +106,13 @@ class RunLog:
         """Give the file back."""
         self._file.close()
 
-    def _of_actuator(self, row: Row) -> Iterator[float | int | None]:
-        _, per_degree, per_preset, per_ampere, whole = self._columns
-        motors_deg = (*(row.at.motors_deg if row.at else ()), None, None)[:2]
-        shaft_deg = None if row.at is None else row.at.shaft_deg
-        currents_a = (*row.currents_a, None, None)[:2]
-        scales = per_degree, per_preset, per_degree, per_degree, per_degree, per_ampere, per_ampere
-        values = row.position_deg, row.preset, *motors_deg, shaft_deg, *currents_a
-        for value, scale in zip(values, scales, strict=True):
-            yield None if value is None else round(value * scale) if whole else float(value * scale)
+    def _of_actuator(self, row: Row) -> tuple[float | int | None, ...]:
+        motors_deg, shaft_deg = row.at or _UNSEEN
+        values = (row.position_deg, row.preset, *(*motors_deg, None, None)[:2], shaft_deg,
+                  *(*row.currents_a, None, None)[:2])  # fmt: skip
+        as_written: Callable[[float], float | int] = round if self._columns.whole else float
+        return tuple([None if value is None else as_written(value * scale)
+                      for value, scale in zip(values, self._scales, strict=True)])  # fmt: skip
 
 
 def loads_of(sample: ForceSample) -> tuple[Any, ...]:

@@ -140,10 +140,10 @@ class RunRecord:
         self._tally.stop(f"at {force_n:.2f} N: {why}")
         return True
 
-    def all_forces(self, samples: Callable[[], Sequence[ForceSample]]) -> None:
-        """Keep all that the sensor has measured, where the rig file wants that; ``samples`` is asked only then."""
+    def all_forces(self, samples: Sequence[ForceSample]) -> None:
+        """Keep all that the sensor has measured, where the rig file wants that."""
         if self._forces is not None:
-            self._forces.append(samples())
+            self._forces.append(samples)
 
     def press_kappa(self, kappa: PressKappa | None) -> None:
         """Stiffness of the specimen by the press that is going on."""

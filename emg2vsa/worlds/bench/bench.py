@@ -20,6 +20,7 @@ from emg2vsa.errors import SettingError
 from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.worlds.bench.controls import ArtificialEffect
 from emg2vsa.worlds.bench.press_draws import PressDraws
+from emg2vsa.worlds.bench.probe import Force
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.bench.truth import TrueLoading
 from emg2vsa.worlds.bench.world import World
@@ -27,7 +28,7 @@ from emg2vsa.worlds.far_ends.actuator_end import FarEnd, Place
 from emg2vsa.worlds.far_ends.camera import CameraServer, EmulatedCamera
 from emg2vsa.worlds.far_ends.dynamixel.far_end import DYNAMIXEL
 from emg2vsa.worlds.far_ends.faults import FaultPlan, FaultyWire, WireLine
-from emg2vsa.worlds.far_ends.netft_box import BoxSettings, RdtBox, configuration_page
+from emg2vsa.worlds.far_ends.netft_box import NO_LOAD, BoxSettings, RdtBox, configuration_page
 from emg2vsa.worlds.far_ends.netft_faults import BoxFaults
 from emg2vsa.worlds.far_ends.netft_server import DirectNetFt, RdtServer
 from emg2vsa.worlds.far_ends.ports import VirtualSerialPort
@@ -108,6 +109,8 @@ class EmulatedRig:
         self._force_zero_n = 0.0
         self._mounting = _turned_to(self.rig.push_axis)
         self._rotation = self._mounting.tolist()
+        self._felt: tuple[Force, float] | None = None
+        self._of_felt: Sequence[float] = NO_LOAD
         self.box = RdtBox(self._wrenches, box)
         self.box.faults = BoxFaults(seed=self._draws.sensor_seed)
         self._seen = self._draws.seen(0)
@@ -176,9 +179,16 @@ class EmulatedRig:
         """Force and torque on the sensor; its origin is on the line of the force."""
         with self._lock:
             self._advance()
-            forces_n, zero_n, rotation = self.world.forces_n(times_s), self._force_zero_n, self._rotation
-        # plain numbers: three at a time are too few for arrays to pay
-        return [[a * x + b * y + c * (z + zero_n) for a, b, c in rotation] + [0.0, 0.0, 0.0] for x, y, z in forces_n]
+            forces_n, zero_n = self.world.forces_n(times_s), self._force_zero_n
+        return [self._wrench(force_n, zero_n) for force_n in forces_n]
+
+    def _wrench(self, force_n: Force, zero_n: float) -> Sequence[float]:
+        """The same as before while the force stays."""
+        if (force_n, zero_n) != self._felt:
+            self._felt, (x, y, z) = (force_n, zero_n), force_n
+            # plain numbers: three at a time are too few for arrays to pay
+            self._of_felt = (*[a * x + b * y + c * (z + zero_n) for a, b, c in self._rotation], 0.0, 0.0, 0.0)
+        return self._of_felt
 
     def _contact(self, time_s: float) -> ContactState:
         with self._lock:

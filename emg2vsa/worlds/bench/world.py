@@ -118,6 +118,8 @@ class World:
         self.press = 0
         "Which press comes or goes on."
         self._next_press, self._touched = next_press, False
+        self._rests = False
+        "Whether the shaft was found at rest, off contact, with the motors where they were last."
         self._probe = Probe(self.settings)
         self._joint = _joint(self.settings)
         self._path = ShaftPath(clock.now_s(), 0.0)
@@ -177,6 +179,10 @@ class World:
         self._motors_rad = motors_rad
         if until_s <= start_s:
             return
+        if self._rests and before_rad == motors_rad:
+            self._path.append(until_s, self._path.end_rad)
+            return
+        self._rests = False
         if before_rad is None or motors_rad is None:
             self._path.append(until_s, self._path.end_rad)
             return
@@ -195,6 +201,7 @@ class World:
             touch = probe.settle(angle_rad)
             if still and angle_rad == from_rad and (not probe.remembers or probe.above_mm(angle_rad) >= 0):
                 path.append(until_s, angle_rad, touch)
+                self._rests = touch is APART
                 return
             path.append(end_s, angle_rad, touch)
             if touch.normal_n > 0:

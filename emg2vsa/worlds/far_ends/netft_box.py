@@ -27,6 +27,7 @@ Wrenches = Callable[[Sequence[float]], Sequence[Sequence[float]]]
 Counts = tuple[int, ...]
 LEAST_COUNT, MOST_COUNT = -(2**31), 2**31 - 1
 NO_LOAD = (0.0,) * 6
+_NONE = range(0)
 _BLOCK = 256
 "Draws made at once; the counts come out the same for any number."
 
@@ -119,7 +120,8 @@ class _Stream:
     client: Client
     left: float
     per_datagram: int
-    next_s: float
+    tick: int
+    "Internal sample of the next record."
     rdt_sequence: int = 0
     last_s: float = 0.0
     waiting: list[bytes] = field(default_factory=list)
@@ -140,6 +142,9 @@ class RdtBox:
         self._wrenches = wrenches
         # plain numbers: six at a time are too few for arrays to pay
         self._size = [s.n_per_unit] * 3 + [s.nm_per_unit] * 3
+        self._divisor = s.divisor
+        self._wrench: Sequence[float] = NO_LOAD
+        self._of_wrench: Sequence[float] = NO_LOAD
         self._noisy = NoisyCounts(s.noise, (s.counts_per_force, s.counts_per_torque), s.seed)
         self._alarm = AXIA_OUT_OF_RANGE if s.axia else NETBOX_SATURATED
         self._bias: Sequence[float] = NO_LOAD
@@ -155,7 +160,7 @@ class RdtBox:
     @property
     def next_s(self) -> float:
         """Time of the next record, s; inf when nothing streams and nothing is on its way."""
-        return min(self._stream.next_s if self._stream else math.inf, self._post.due_s)
+        return min(self._stream.tick / INTERNAL_RATE_HZ if self._stream else math.inf, self._post.due_s)
 
     def request(self, data: bytes, client: Client, time_s: float) -> None:
         """A datagram came for RDT; ``client`` takes the datagrams for its sender."""
@@ -169,7 +174,7 @@ class RdtBox:
         elif command in (Command.STREAM, Command.BUFFERED):
             per_datagram = min(self.settings.buffer, LARGEST_BUFFER) if command == Command.BUFFERED else 1
             first = math.floor(time_s * INTERNAL_RATE_HZ) + 1
-            self._stream = _Stream(client, count or math.inf, per_datagram, first / INTERNAL_RATE_HZ)
+            self._stream = _Stream(client, count or math.inf, per_datagram, first)
             self._post.forget()
         elif command == Command.BIAS:
             (self._bias,) = self._loads([time_s])
@@ -188,36 +193,35 @@ class RdtBox:
 
     def newest_until(self, time_s: float) -> tuple[Record, float] | None:
         """Of the records that are due the newest, and when it is measured, s; nobody looks at those before it."""
-        stream, times_s, ticks = self._due(time_s)
+        stream, ticks = self._due(time_s)
         if stream is None:
             return None
         if not self.faults.stuck:
             self._noisy.skip(len(ticks) - 1)
         stream.rdt_sequence += len(ticks) - 1
-        return self._measured(stream, ticks[-1:], times_s[-1:])[0]
+        return self._measured(stream, ticks[-1:])[0]
 
     def records_until(self, time_s: float) -> list[tuple[Record, float]]:
         """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them."""
-        stream, times_s, ticks = self._due(time_s)
-        return [] if stream is None else self._measured(stream, ticks, times_s)
+        stream, ticks = self._due(time_s)
+        return [] if stream is None else self._measured(stream, ticks)
 
-    def _due(self, time_s: float) -> tuple[_Stream | None, list[float], list[int]]:
-        """The stream, None where nothing is due; times, s, of what is due, and its internal samples."""
-        times_s: list[float] = []
-        ticks: list[int] = []
+    def _due(self, time_s: float) -> tuple[_Stream | None, range]:
+        """The stream, None where nothing is due; internal samples of what is due."""
         if (stream := self._stream) is None:
-            return None, times_s, ticks
-        next_s, divisor = stream.next_s, self.settings.divisor
-        while next_s <= time_s + 1e-9 and len(ticks) < stream.left:
-            times_s.append(next_s)
-            ticks.append(round(next_s * INTERNAL_RATE_HZ))
-            next_s = (ticks[-1] + divisor) / INTERNAL_RATE_HZ
-        if not ticks:
-            return None, times_s, ticks
-        stream.next_s, stream.last_s, stream.left = next_s, times_s[-1], stream.left - len(ticks)
+            return None, _NONE
+        until_s, first, divisor = time_s + 1e-9, stream.tick, self._divisor
+        last = math.floor(until_s * INTERNAL_RATE_HZ) + 1  # a product that is rounded may be off
+        while last / INTERNAL_RATE_HZ > until_s:
+            last -= 1
+        count = min((last - first) // divisor + 1, stream.left)
+        if count <= 0:
+            return None, _NONE
+        ticks = range(first, first + int(count) * divisor, divisor)
+        stream.tick, stream.last_s, stream.left = ticks.stop, ticks[-1] / INTERNAL_RATE_HZ, stream.left - len(ticks)
         if not stream.left:
             self._stream = None
-        return stream, times_s, ticks
+        return stream, ticks
 
     def _read(self, load: Sequence[float]) -> tuple[int, tuple[int, ...]]:
         faults = self.faults
@@ -234,16 +238,19 @@ class RdtBox:
         faults = self.faults
         lag_s = faults.lag_s
         wrenches = self._wrenches([max(0.0, time_s - lag_s) for time_s in times_s] if lag_s else times_s)
-        strange, adds = faults.strange, bool(faults.push_n or faults.drift_n_per_s)
-        return [
-            list(map(truediv, faults.felt(wrench, time_s) if strange else wrench, self._size))
-            if adds or any(wrench)
-            else NO_LOAD
-            for wrench, time_s in zip(wrenches, times_s, strict=True)
-        ]
+        if faults.strange:
+            wrenches = [faults.felt(wrench, time_s) for wrench, time_s in zip(wrenches, times_s, strict=True)]
+        return list(map(self._load, wrenches))
 
-    def _measured(self, stream: _Stream, ticks: list[int], times_s: list[float]) -> list[tuple[Record, float]]:
+    def _load(self, wrench: Sequence[float]) -> Sequence[float]:
+        """In the box's units. Of a wrench that stays, the same as of the one before."""
+        if wrench is not self._wrench:
+            self._wrench, self._of_wrench = wrench, tuple(map(truediv, wrench, self._size)) if any(wrench) else NO_LOAD
+        return self._of_wrench
+
+    def _measured(self, stream: _Stream, ticks: range) -> list[tuple[Record, float]]:
         """Records of these internal samples, and their times, s."""
+        times_s = [tick / INTERNAL_RATE_HZ for tick in ticks]
         loads = self._loads(times_s)
         self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
         number, skipped, records, read = stream.rdt_sequence, self._skipped, [], self._read

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cache
+from functools import lru_cache
 
 import cv2
 import numpy as np
@@ -195,16 +195,17 @@ def drawn(
     return grey
 
 
-def exposed(grey: NDArray[np.float32], noise_grey: float, rng: np.random.Generator | None) -> NDArray[np.uint8]:
-    """(H, W) uint8 frame of what was `drawn`, which stays as it is."""
+def exposed(
+    grey: NDArray[np.float32], noise_grey: float, rng: np.random.Generator | None,
+    room: NDArray[np.float32] | None = None,
+) -> NDArray[np.uint8]:  # fmt: skip
+    """(H, W) uint8 frame of what was `drawn`, which stays as it is. ``room`` : (H, W) to work in, as new memory takes
+    as long as the sums."""
+    room = np.empty_like(grey) if room is None else room
     if noise_grey > 0 and rng is not None:
-        noise = read_noise(grey.shape, rng)
-        noise *= np.float32(noise_grey)
-        grey = np.add(grey, noise, out=noise)
-        np.rint(grey, out=grey)
-    else:
-        grey = np.rint(grey)
-    return np.clip(grey, 0, 255, out=grey).astype(np.uint8)
+        grey = np.add(grey, read_noise(grey.shape, rng, noise_grey, room), out=room)
+    np.rint(grey, out=room)
+    return np.clip(room, 0, 255, out=room).astype(np.uint8)
 
 
 def _add_pins(
@@ -254,16 +255,22 @@ def _add(image: NDArray[np.float32], corner: NDArray[np.int64], spots: NDArray[n
         part += spot[max(-y, 0) :, max(-x, 0) :][: part.shape[0], : part.shape[1]]
 
 
-def read_noise(shape: tuple[int, int], rng: np.random.Generator) -> NDArray[np.float32]:
-    """(H, W) independent draws of mean 0 and standard deviation 1, from the bits of ``rng``."""
+def read_noise(
+    shape: tuple[int, int], rng: np.random.Generator, sd: float = 1.0, out: NDArray[np.float32] | None = None
+) -> NDArray[np.float32]:
+    """(H, W) independent draws of mean 0 and standard deviation ``sd``, from the bits of ``rng``."""
     size = math.prod(shape)
     words = rng.integers(2**64, size=-(-size * _BITS // 64), dtype=np.uint64).astype("<u8", copy=False)
-    return _table().take(words.view("<u2")[:size]).reshape(shape)
+    out = np.empty(shape, np.float32) if out is None else out
+    # every word is a place of the table: a mode other than "raise" writes without another copy
+    return _table(sd).take(words.view("<u2")[:size].reshape(shape), out=out, mode="clip")
 
 
-@cache
-def _table() -> NDArray[np.float32]:
-    """Quantiles in the middle of equal shares of the normal distribution, scaled to a standard deviation of 1."""
+@lru_cache(maxsize=8)
+def _table(sd: float = 1.0) -> NDArray[np.float32]:
+    """Quantiles in the middle of equal shares of the normal distribution, scaled to a standard deviation."""
+    if sd != 1:
+        return _table() * np.float32(sd)
     z = np.linspace(-_REACH, _REACH, _POINTS)
     below = [math.erfc(-each / math.sqrt(2)) / 2 for each in z.tolist()]
     shares = (np.arange(2**_BITS) + 0.5) / 2**_BITS

@@ -55,6 +55,7 @@ class Scene:
         self.skin = settings.world.press(pressing)
         self._still: tuple[ContactState, NDArray[np.float32]] | None = None
         "State and grey levels of the newest image, which off contact is many frames long the same."
+        self._room = np.empty((camera.height_px, camera.width_px), np.float32)
         self.centre_px = self.skin.contact(self.skin.state(settings.timeline.start_n)).centre_px
 
     @cached_property
@@ -82,7 +83,8 @@ class Scene:
             texture_px = self.surface.speckle_px
             moved_px = self.skin.texture_px(texture_px, state) if texture_px.size else texture_px
             still = self._still = state, drawn(self.pins_px(state), self.surface, self.settings.skin, moved_px)
-        return exposed(still[1], self.settings.appearance.noise_grey, self.settings.draws("frame", frame))
+        noise_grey, rng = self.settings.appearance.noise_grey, self.settings.draws("frame", frame)
+        return exposed(still[1], noise_grey, rng, self._room)
 
     def skin_growth(self, before_n: float, after_n: float) -> float:
         """ln of how much larger the skin of the first contact becomes in the image between two forces."""

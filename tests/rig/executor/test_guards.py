@@ -11,14 +11,14 @@ import pytest
 
 from emg2vsa.devices.clock import Beat, VirtualClock
 from emg2vsa.devices.protocols import ForceSample, Rating, SensorStatus
-from emg2vsa.rig.executor.guards import GUARDS, Moment, Seen, laxer_guards, tripped
+from emg2vsa.rig.executor.guards import GUARDS, Moment, Seen, laxer_guards, quiet, tripped
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 LIMITS = GuardSettings(force_rate_n_per_s=200, stale_s=0.02)
 
 
 def felt(*force_n: float, time_s: float = 4.999, torque_nm: float = 0.0, faults: tuple[str, ...] = ()) -> ForceSample:
-    return ForceSample(time_s, np.array(force_n), np.array([torque_nm, 0, 0]), SensorStatus(faults=faults))
+    return ForceSample(time_s, (*force_n, torque_nm, 0.0, 0.0), SensorStatus(faults=faults))
 
 
 def pushed(force_n: float, before_n: float | None = None, time_s: float = 4.994) -> dict[str, Any]:
@@ -116,3 +116,51 @@ def test_the_beat_leaves_out_what_is_over_and_counts_it() -> None:
     timing = beat.timing()
     assert (timing.turns, timing.overruns) == (5, 2)
     assert timing.largest_s == pytest.approx(0.012)
+
+
+def any_moment(rng: np.random.Generator) -> Moment:
+    """Most numbers small; some near their limits, beyond them, or none."""
+
+    def near(limit: float) -> float:
+        return float(
+            rng.choice([0.0, 0.5, 0.99, 1.0, 1.01, 3.0, np.nan], p=[0.4, 0.3, 0.1, 0.1, 0.06, 0.03, 0.01]) * limit
+        )
+
+    def maybe(limit: float) -> float | None:
+        return None if rng.random() < 0.5 else near(limit) * rng.choice([-1, 1])
+
+    now = felt(near(3.0), near(2.0), near(10.0), torque_nm=near(1.0), time_s=5.0 - near(0.02))
+    force_n = now.loads[2]
+    spring_n = maybe(12.0)
+    witnessed = Seen(
+        between_s=0.005 + near(0.02), still_mm=near(0.18), still_s=maybe(0.2), astray_deg=near(1.0986328125),
+        unmoved_n=near(2.0), spring_n=spring_n, felt_n=(spring_n or 0.0) + near(2.5), lag_n=near(1.0),
+        starting=bool(rng.random() < 0.3), spring_rest_n=maybe(1.5), current_a=near(1.5), unfelt_a=maybe(0.3),
+        jumped_deg=near(0.5), approach_mm=maybe(6.0), past_contact_mm=maybe(10.0), off_specimen=maybe(0.2),
+        rise_n=maybe(0.5),
+    )  # fmt: skip
+    return replace(
+        GOOD, force=now, force_n=force_n, before=felt(0, 0, 0, time_s=4.99), force_before_n=force_n - near(1.0),
+        late_s=near(0.05), frame_s=None if rng.random() < 0.3 else 5.0 - near(0.5), depth_mm=near(15.0),
+        active=bool(rng.random() < 0.98), seen=witnessed, angle_deg=float(rng.choice([0.0, 30.0, 45.0])),
+        phase=rng.choice(["home", "approach", "contact", "load", "retract", "pause"]),
+        rating=None if rng.random() < 0.3 else GOOD.rating,
+    )  # fmt: skip
+
+
+def test_where_one_look_finds_quiet_no_guard_speaks() -> None:
+    rng = np.random.default_rng(40)
+    moments = [any_moment(rng) for _ in range(20_000)]
+    calm = [moment for moment in moments if quiet(moment, LIMITS)]
+    assert 500 < len(calm) < 19_000
+    for moment in calm:
+        assert [name for name, check in GUARDS.items() if check(moment, LIMITS)] == []
+    loud = [moment for moment in moments if any(check(moment, LIMITS) for check in GUARDS.values())]
+    assert len(loud) > 1000
+    assert all(tripped(moment, LIMITS) for moment in loud)
+
+
+def test_a_guard_that_is_added_is_asked_where_all_others_are_quiet() -> None:
+    calm = replace(GOOD, **pushed(1.0))
+    assert quiet(calm, LIMITS)
+    assert tripped(calm, LIMITS, GUARDS | {"own": lambda moment, limits: "never mind"}) == ("own", "never mind")

@@ -152,7 +152,8 @@ class QbmoveFirmware:
         self._handlers[command]()
 
     def _hear(self) -> None:
-        self.advance()
+        if self._clock.now_s() != self._advanced_s:
+            self.advance()
         self._loop.feed_watchdog(self._watchdog_counts)
 
     def advance(self) -> None:

@@ -32,7 +32,8 @@ _WITHOUT_RATE = 13
 """Parameters of a firmware that knows no greatest PWM rate."""
 _STRAINED = 0.5
 """Part of the stall torque from which the load is looked at in every turn."""
-_WATCHDOG_COUNT_S = 0.04096
+_WATCHDOG_MS = [int(counts * 0.04096 * 1000) for counts in range(256)]
+"Of so many counts; one byte is sent."
 _NEVER_MS = 1 << 62
 
 Pair = tuple[int, int]
@@ -59,7 +60,8 @@ class Motors:
 
     def __init__(self, switches: Switches, angles_rad: Sequence[float]) -> None:
         """``angles_rad``: of motor 1, motor 2 and shaft, at the start."""
-        self._full_step = switches.motor_speed_rad_per_s * INTERNAL_PER_RAD / 1000
+        full_step = switches.motor_speed_rad_per_s * INTERNAL_PER_RAD / 1000
+        self._steps = {pwm: full_step * pwm / PWM_MOST for pwm in range(-PWM_MOST, PWM_MOST + 1)}
         self._limits_rate = switches.parameters > _WITHOUT_RATE
         # reversed encoders have reversed gains: in the wire's direction they are the same
         self._sign = -1 if switches.counts_backwards else 1
@@ -108,14 +110,15 @@ class Motors:
         """Milliseconds with the loads as they are.
 
         plan : numbers of them, and the references that the motors follow. scale : the settings that encoders obey."""
-        faults, sign, most_nm, full_step = self.faults, self._sign, self._most_nm, self._full_step
+        faults, sign, most_nm, steps, floor = self.faults, self._sign, self._most_nm, self._steps, math.floor
         turns_itself = memory.control_mode == _POSITION_MODE
         stuck, rate = faults.jammed or faults.unsupplied, memory.max_pwm_rate if self._limits_rate else None
         proportional, derivative = sign * memory.position_pid[0], sign * memory.position_pid[2]
         for motor in (0, 1):
             # everything at hand that does not change from turn to turn, as every millisecond of a run comes by here
             shift = faults.jumped_ticks[motor] * INTERNAL_PER_TICK + scale.offsets[motor]
-            lost, multiplier = self._turns_lost[motor] * INTERNAL_PER_TURN, scale.multipliers[motor]
+            shift -= self._turns_lost[motor] * INTERNAL_PER_TURN
+            multiplier, scaled = scale.multipliers[motor], scale.multipliers[motor] != 1
             on, load_nm, frozen = powered[motor] and turns_itself, self.loads_nm[motor], faults.frozen.get(motor)
             free_up, free_down = load_nm < most_nm and not stuck, -load_nm < most_nm and not stuck
             at, seen, pwm = self._at[motor], self._seen[motor], self.pwm[motor]
@@ -123,18 +126,19 @@ class Motors:
                 reference = references[motor]
                 for _ in range(turns):
                     before, pwm_before = seen, pwm
-                    raw = math.floor(at / ENCODER_STEP) * ENCODER_STEP if frozen is None else frozen
-                    seen = int((raw + shift - lost) * multiplier)
+                    seen = (floor(at / ENCODER_STEP) * ENCODER_STEP if frozen is None else frozen) + shift
+                    if scaled:
+                        seen = int(seen * multiplier)
                     pwm = (proportional * (reference - seen) >> 16) + (derivative * (before - seen) >> 16) if on else 0
                     if not -PWM_MOST < pwm < PWM_MOST:
                         pwm = PWM_MOST if pwm > 0 else -PWM_MOST
                         if rate is not None:
                             # only a saturated move is held back: the compiled firmware does so, not its source
                             pwm = max(pwm_before - rate, min(pwm_before + rate, pwm))
-                    if pwm == pwm_before == 0 and seen == before:
+                    if pwm == 0 and pwm_before == 0 and seen == before:
                         break
                     if free_up if pwm >= 0 else free_down:
-                        at += full_step * pwm / PWM_MOST
+                        at += steps[pwm]
             self._at[motor], self._seen[motor], self.pwm[motor] = at, seen, pwm
 
     def currents_ma(self) -> Pair:
@@ -197,7 +201,7 @@ class Loop:
         if self._latency_ms:
             self._commanded.append((self._now_ms + self._latency_ms, ticks))
         else:
-            self.new = self.new._replace(ticks=ticks)
+            self.new = References(ticks, self.new.on)
 
     def activate(self, references: References) -> None:
         """At once, and instead of what has been commanded before."""
@@ -229,7 +233,7 @@ class Loop:
 
     def feed_watchdog(self, counts: int) -> None:
         """Something was heard. Periods of 0 counts are taken as no watchdog: what they mean is unknown."""
-        self._watchdog_ms = self._now_ms + int(counts * _WATCHDOG_COUNT_S * 1000) if counts else _NEVER_MS
+        self._watchdog_ms = self._now_ms + _WATCHDOG_MS[counts] if counts else _NEVER_MS
 
     def restart(self, on: int) -> None:
         """Power comes back: references 0."""
