@@ -44,7 +44,7 @@ def proof_of(
     device = QbmoveFirmware(MAKER_PRO, Free(), clock)
     device.motors.faults.flag_only = bridge_holds
     if stuck:
-        monkeypatch.setattr(device._loop.motors, "_full_step", 0.0)
+        device.motors.faults.jammed = True
     if lost:
         device._handlers[Command.SET_WATCHDOG] = lambda: b""
     board = Qbmove(LoopbackLine("line", device, clock), 1, clock=clock)
