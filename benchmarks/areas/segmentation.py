@@ -9,6 +9,7 @@ import numpy as np
 from scipy import signal
 
 from benchmarks.bench.case import Area, Case, Size, Way, peer
+from benchmarks.experts.presses import edges
 from benchmarks.simulated_records import (
     FS_HZ,
     LOAD_S,
@@ -50,10 +51,6 @@ def by_force(size: Size) -> Iterator[Case]:
             Way("emg2vsa", "condition_force", ours, "equal", "with the drift of the zero and the release"),
             *_scripts(records),
         ]
-        if n <= size.pick(20, 210) and (neurokit := peer("neurokit2")):
-            ways.append(
-                Way("NeuroKit2", "signal_filter and a threshold", lambda r=records: _by_neurokit(neurokit, r), "equal")
-            )
         yield Case(
             f"{family}, {n} trials",
             n,
@@ -103,6 +100,11 @@ def _scripts(records: Records) -> Iterator[Way]:
     def filtered() -> list[np.ndarray]:
         return [_crossings(row) for row in signal.sosfiltfilt(sos, force_n)]
 
+    yield Way(
+        "scipy", "expert: means of ten, sosfiltfilt, crossings",
+        lambda: edges(force_n, FS_HZ, (LOWER_N, UPPER_N)), "equal",
+        "zero from the first second; between samples",
+    )  # fmt: skip
     yield Way("scipy", "sosfiltfilt and a threshold", filtered, "equal", "zero from the first second")
     yield Way(
         "numpy",
@@ -111,13 +113,6 @@ def _scripts(records: Records) -> Iterator[Way]:
         "as used",
         "no filter; zero from the first second",
     )
-
-
-def _by_neurokit(neurokit: Any, records: Records) -> list[np.ndarray]:
-    return [
-        _crossings(neurokit.signal_filter(row, FS_HZ, highcut=5.0, method="butterworth", order=2))
-        for row in records.force_n
-    ]
 
 
 def _crossings(force_n: np.ndarray) -> np.ndarray:

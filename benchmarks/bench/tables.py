@@ -147,17 +147,18 @@ def _headlines(area: AreaResult) -> list[str]:
             name = case.ours.name if case.ours is not case.rows[0] else ""
             own = f"{number(case.rows[0].median_ms)}{f'; {number(case.ours.median_ms)} by {name}' if name else ''}"
             floor = number(case.floor_ms(rates), ".2g")
-            rows.append((case.name, own, _beside(case, alike), _beside(case, quicker), floor))
+            rows.append((case.name, own, _beside(case, alike), _beside(case, quicker, said=""), floor))
     return [*table(HEADLINE, rows), "", HOW_COMPARED, ""] if rows else []
 
 
-def _beside(case: CaseResult, peer: Row | None) -> str:
-    """Another library's row, its time over our least, and whether we are slower."""
+def _beside(case: CaseResult, peer: Row | None, said: str = " (**not faster**)") -> str:
+    """Another library's row, its time over our least, and what is said where we are slower."""
     if peer is None:
         return "none"
-    ratio = (peer.median_ms or 0.0) / (case.ours.median_ms or 1.0)
+    own, other = (row.ratio.median if row.ratio else 1.0 for row in (case.ours, peer))
+    ratio = other / own
     error = f", error {number(peer.error, '.2g')} for {number(case.rows[0].error, '.2g')}" if peer.error else ""
-    return f"{peer.label}: {ratio:.2f}{' (**not faster**)' if ratio < 0.97 else ''}{error}"
+    return f"{peer.label}: {ratio:.2f}{said if ratio < 0.97 else ''}{error}"
 
 
 def _last_of(area: AreaResult, family: str) -> CaseResult:

@@ -105,7 +105,8 @@ def envelopes_at(
     """
     if not np.any(counts):
         return np.empty((len(channels), 0))
-    first, counts = first[counts > 0], counts[counts > 0]
+    if np.min(counts) == 0:
+        first, counts = first[counts > 0], counts[counts > 0]
     if iir.engine == "compiled":
         return _compiled(channels, first, counts, step, iir, kernel)
     return _by_products(channels, first, counts, step, iir, kernel)
