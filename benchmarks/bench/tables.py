@@ -18,7 +18,7 @@ HEAD = ("#", "library", "way", "work", "CPU ms", "ratio", "error", "digits", "pe
 
 HEADLINE = ("case", "ours, CPU ms", "fastest of equal work and error", "faster, less exact", "floor, ms")
 HOW_COMPARED = (
-    "Beside a row stands its time over the least of ours: below 1 ours is not faster. Errors are equal where the "
+    "Beside a row stands its time over that of our first row: below 1 ours is not faster. Errors are equal where the "
     "other's is below 1e-10 (relative) or 1.25 times ours. The floor is what moving the bytes, or the flops, takes "
     "alone on this machine, by a copy and a product of matrices in the same run; blank where nobody counted them."
 )
@@ -136,29 +136,31 @@ def _notices(area: AreaResult) -> list[str]:
 
 
 def _headlines(area: AreaResult) -> list[str]:
-    """A row for each case without family and for the largest of each family: ours beside the fastest of equal error."""
-    rates = area.machine.get("rates", {})
-    cases = [case for case in area.cases if not case.family or case is _last_of(area, case.family)]
-    rows = []
-    for case in cases:
+    """A row a case: ours beside the fastest of equal work and error."""
+    rates, rows = area.machine.get("rates", {}), []
+    for case in area.cases:
         if case.rows[0].median_ms:
             alike, rough = case.fastest(alike=True), case.fastest(alike=False)
-            quicker = rough if rough and (rough.median_ms or 0) < (case.ours.median_ms or 0) else None
-            name = case.ours.name if case.ours is not case.rows[0] else ""
-            own = f"{number(case.rows[0].median_ms)}{f'; {number(case.ours.median_ms)} by {name}' if name else ''}"
+            quicker = rough if rough and rough.ratio and rough.ratio.median < 1 else None
             floor = number(case.floor_ms(rates), ".2g")
+            own = number(case.rows[0].median_ms)
             rows.append((case.name, own, _beside(case, alike), _beside(case, quicker, said=""), floor))
     return [*table(HEADLINE, rows), "", HOW_COMPARED, ""] if rows else []
 
 
 def _beside(case: CaseResult, peer: Row | None, said: str = " (**not faster**)") -> str:
-    """Another library's row, its time over our least, and what is said where we are slower."""
-    if peer is None:
+    """Another library's row, its time over that of our first row and of our fastest, and what is said where all of ours
+    are slower."""
+    if peer is None or peer.ratio is None:
         return "none"
-    own, other = (row.ratio.median if row.ratio else 1.0 for row in (case.ours, peer))
-    ratio = other / own
-    error = f", error {number(peer.error, '.2g')} for {number(case.rows[0].error, '.2g')}" if peer.error else ""
-    return f"{peer.label}: {ratio:.2f}{said if ratio < 0.97 else ''}{error}"
+    ratio, best, error = peer.ratio.median, case.ours, ""
+    ratios = f"{ratio:.2f}"
+    if best.ratio is not None:
+        ratio /= best.ratio.median
+        ratios += f", {ratio:.2f} of {best.name}"
+    if peer.error:
+        error = f"; error {number(peer.error, '.2g')}, ours {number(case.rows[0].error, '.2g')}"
+    return f"{peer.label}: {ratios}{said if ratio < 0.97 else ''}{error}"
 
 
 def _last_of(area: AreaResult, family: str) -> CaseResult:

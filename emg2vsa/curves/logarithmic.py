@@ -20,7 +20,7 @@ LEVEL_FLOOR = 0.1
 NARROW = 1e-3
 """A fit whose forces differ by a smaller share of themselves says how many digits are left."""
 
-_POINTS_AT_ONCE = 24_000  # keeps the temporaries of a block inside the processor's cache
+_POINTS_AT_ONCE = 16_000  # temporaries below 128 kB: the C library maps and clears larger ones anew each time
 _CLOSE = (
     0.1  # residual squares below this share of those of v are summed from residuals: a difference would lose digits
 )
@@ -76,7 +76,8 @@ def _of_plain_rows(force: Floats, v: Floats, cuts: Sequence[slice]) -> Line | No
     if not k or not 3 <= p <= 10_000:  # of longer rows BLAS shares one among threads, and its last bit shows it
         return None
     ones, common = np.ones((1, p)), force.ndim == 1
-    x_buffer, y_buffer = np.empty((1 if common else cuts[0].stop, p)), np.empty((cuts[0].stop, p))
+    rows = min(cuts[0].stop, k)
+    x_buffer, y_buffer = np.empty((1 if common else rows, p)), np.empty((rows, p))
     sums = np.empty((6, k))  # means, sums of squares and products, residual squares
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         for cut in cuts:

@@ -8,6 +8,7 @@ same loops in Python.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, TypeVar, cast
 
@@ -53,24 +54,43 @@ def envelopes_inside(
     at_once = max(1, LANES // m)
     for i in range(0, first.size, at_once):
         chosen = by_length[i : i + at_once]
-        n, starts, own = chosen.size, first[chosen] - before - support, counts[chosen]
-        length = step * int(own[-1] - 1) + taps.size
-        x = np.empty((support + length + (support if iir.zero_phase else 0), m * n))
-        offset = np.empty(m * n)
-        for c, samples in enumerate(channels):
-            _cut(samples, starts, offset[c * n : (c + 1) * n], x[:, c * n : (c + 1) * n])
-        for pair in pairs:
-            _filter(x, pair, len(x), False)
-        for pair in pairs if iir.zero_phase else ():
-            _filter(x, pair, len(x) - support, True)
-        x = x[support : support + length]
-        if iir.passes_offset:
-            x += offset
-        # squares of 1e-160 V are zero, of 1e160 infinite; powers of two round nothing
-        unit = np.ldexp(1.0, np.maximum(np.frexp(_largest(x))[1], -1021)) if squared else np.ones(m * n)
-        _rectify(x, unit, squared)
-        _smooth(x, taps, step, unit, squared, begins[chosen], own, out)
+        _lanes(
+            tuple(channels),
+            first[chosen] - before - support,
+            counts[chosen],
+            begins[chosen],
+            step,
+            support,
+            pairs,
+            iir.zero_phase,
+            iir.passes_offset,
+            taps,
+            squared,
+            out,
+        )
     return out
+
+
+@kernel
+def _lanes(
+    channels: tuple[Floats, ...], starts: Ints, counts: Ints, begins: Ints, step: int, support: int, pairs: Floats,
+    both_passes: bool, passes_offset: bool, taps: Floats, squared: bool, out: Floats,
+) -> None:  # fmt: skip
+    """Some windows, the longest last."""
+    n = counts.size
+    length = step * (counts[n - 1] - 1) + taps.size
+    x = np.empty((support + length + (support if both_passes else 0), len(channels) * n))
+    offset, unit = np.empty(x.shape[1]), np.ones(x.shape[1])
+    for c in range(len(channels)):
+        _cut(channels[c], starts, offset[c * n : (c + 1) * n], x[:, c * n : (c + 1) * n])
+    for i in range(len(pairs)):
+        _filter(x, pairs[i], len(x), False)
+    if both_passes:
+        for i in range(len(pairs)):
+            _filter(x, pairs[i], len(x) - support, True)
+    inner = x[support : support + length]
+    _rectify(inner, offset, unit, passes_offset, squared)
+    _smooth(inner, taps, step, unit, squared, begins, counts, out)
 
 
 @kernel
@@ -112,20 +132,23 @@ def _filter(x: Floats, pair: Floats, n: int, backwards: bool) -> None:
 
 
 @kernel
-def _largest(x: Floats) -> Floats:
-    """Largest size of every lane."""
-    largest = np.zeros(x.shape[1])
+def _rectify(x: Floats, offset: Floats, unit: Floats, passes_offset: bool, squared: bool) -> None:
+    """Sizes, or squares in units of a power of two, which rounds nothing: squares of 1e-160 V are zero, of 1e160
+    infinite."""
+    for t in range(x.shape[0] if passes_offset else 0):
+        for k in range(x.shape[1]):
+            x[t, k] += offset[k]
+    if squared:
+        unit[:] = 0.0
+        for t in range(x.shape[0]):
+            for k in range(x.shape[1]):
+                unit[k] = max(unit[k], abs(x[t, k]))
+        for k in range(x.shape[1]):
+            unit[k] = 2.0 ** max(math.frexp(unit[k])[1], -1021)
+    inverse = 1 / unit
     for t in range(x.shape[0]):
         for k in range(x.shape[1]):
-            largest[k] = max(largest[k], abs(x[t, k]))
-    return largest
-
-
-@kernel
-def _rectify(x: Floats, unit: Floats, squared: bool) -> None:
-    for t in range(x.shape[0]):
-        for k in range(x.shape[1]):
-            x[t, k] = (x[t, k] / unit[k]) ** 2 if squared else abs(x[t, k])
+            x[t, k] = (x[t, k] * inverse[k]) ** 2 if squared else abs(x[t, k])
 
 
 @kernel

@@ -119,13 +119,13 @@ def _compiled(
     # loaded when chosen: numba is an extra
     envelopes_inside = import_module("emg2vsa.signals.compiled").envelopes_inside
     starts, stops = first - kernel.before - iir.support_samples, first + step * (counts - 1) + kernel.after
-    inside = (starts >= 0) & (stops + (iir.support_samples if iir.zero_phase else 0) < channels[0].size)
-    inside &= step * counts < LONG
-    if np.all(inside):
+    ends, size = stops + (iir.support_samples if iir.zero_phase else 0), channels[0].size
+    if starts.min() >= 0 and ends.max() < size and step * counts.max() < LONG:
         levels: Floats = envelopes_inside(
             channels, first, counts, step, iir, kernel.taps, kernel.before, squared=kernel.squared
         )
         return levels
+    inside = (starts >= 0) & (ends < size) & (step * counts < LONG)
     levels, of = np.empty((len(channels), int(counts.sum()))), np.repeat(inside, counts)
     levels[:, of] = _compiled(channels, first[inside], counts[inside], step, iir, kernel) if np.any(of) else 0.0
     levels[:, ~of] = _by_products(channels, first[~inside], counts[~inside], step, iir, kernel)

@@ -15,7 +15,7 @@ from emg2vsa.signals.filters import band_pass
 
 compiled = pytest.importorskip("emg2vsa.signals.compiled", exc_type=SettingError)
 FS_HZ = 1000.0
-KERNELS = ("_cut", "_filter", "_largest", "_rectify", "_smooth")
+KERNELS = ("_lanes", "_cut", "_filter", "_rectify", "_smooth")
 
 
 def channels(m: int = 2, n: int = 20_000, offset: float = 0.0, dtype: type = np.float64) -> tuple[np.ndarray, ...]:
