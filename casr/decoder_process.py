@@ -5,7 +5,7 @@ keeps one warm child. The child imports the decoder of a format once, holds the 
 decoder returns or raises. Arrays come back as arrays that can be written to. The child ends with this process.
 
 One request is a pickle in a pipe. One answer is the number of its parts, their sizes, and the parts: a pickle, and the
-buffers of its arrays.
+buffers of its arrays. It tells too what the child imported by name: the parent's work hangs on that.
 
 The time limit holds everywhere. The memory limit is the one of the operating system: it holds on Linux; macOS and
 Windows do not enforce one. Ctrl-C ends a request at once, except on Windows, where it waits for the time limit.
@@ -14,7 +14,6 @@ Windows do not enforce one. Ctrl-C ends a request at once, except on Windows, wh
 from __future__ import annotations
 
 import contextlib
-import importlib
 import itertools
 import os
 import pickle
@@ -28,6 +27,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from casr.by_name import module_named, noting, used
 from casr.child_process import HEAD, Child, Pipes, limited, read_whole, write_whole
 
 _MB = 1_000_000
@@ -65,7 +65,7 @@ def serve(parent: Pipes) -> None:
             parts = _done(request, objects)
         sizes = [memoryview(part).nbytes for part in parts]
         if sum(sizes) > limits.memory_mb * _MB / 2:  # for it stands in memory twice
-            parts = _pickled((False, MemoryError()))
+            parts = _pickled((False, MemoryError(), set()))
             sizes = [memoryview(part).nbytes for part in parts]
         write_whole(parent.to_other, HEAD.pack(len(parts)) + np.array(sizes, "<u8").tobytes())
         while parts:  # what was sent stands in the parent's memory, and must not stand here too
@@ -74,22 +74,23 @@ def serve(parent: Pipes) -> None:
 
 def _done(request: tuple[Any, ...], objects: dict[int, Any]) -> list[Any]:
     """The parts of the answer: a pickle, and the buffers that it refers to."""
-    try:
-        return _pickled((True, _carried_out(request, objects)))
-    except Exception as raised:
-        # what C++ says where Python says the other
-        error = MemoryError() if "std::bad_alloc" in str(raised) else raised
-        error.__cause__ = error.__context__ = error.__traceback__ = None
+    with noting() as named:
         try:
-            return _pickled((False, error))
-        except Exception:  # an exception of a library that cannot be sent
-            return _pickled((False, RuntimeError(f"{type(error).__name__}: {error}")))
+            return _pickled((True, _carried_out(request, objects), named))
+        except Exception as raised:
+            # what C++ says where Python says the other
+            error = MemoryError() if "std::bad_alloc" in str(raised) else raised
+            error.__cause__ = error.__context__ = error.__traceback__ = None
+            try:
+                return _pickled((False, error, named))
+            except Exception:  # an exception of a library that cannot be sent
+                return _pickled((False, RuntimeError(f"{type(error).__name__}: {error}"), named))
 
 
 def _carried_out(request: tuple[Any, ...], objects: dict[int, Any]) -> Any:
     match request:
         case ("import", module):
-            importlib.import_module(module)
+            module_named(module)
             return None
         case ("make", key, module, function, arguments):
             objects[key] = getattr(sys.modules[module], function)(*arguments)
@@ -156,6 +157,7 @@ class InChild:
     def _make(self) -> None:
         self._child = child = _running_child()
         module, function, arguments = self._made_by
+        used([module])
         child.import_decoder(module, self._library)
         self._key = next(child.keys)
         child.ask(("make", self._key, module, function, arguments), self._limits, self._library)
@@ -241,7 +243,8 @@ class _Decoder(Child):
         (count,) = HEAD.unpack(read_whole(self.pipes.from_other, HEAD.size).data)
         sizes = read_whole(self.pipes.from_other, count * HEAD.size).view(np.dtype("<u8")).tolist()
         parts = [read_whole(self.pipes.from_other, size) for size in sizes]
-        ended_well, value = pickle.loads(parts[0].data, buffers=parts[1:])
+        ended_well, value, named = pickle.loads(parts[0].data, buffers=parts[1:])
+        used(named)
         return ended_well, value
 
     def _crashed(self, library: str) -> DecoderFailed:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from casr.by_name import used
 from casr.errors import PluginError, said_by
 
 if TYPE_CHECKING:
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
 
 
 ENGINES = ("pin-affine", "horn-schunck", "dis")
+PLUGINS = "plugins "
+"""Begins the name of a group of plugins, or of a group and the one name that is looked up, where use is told."""
 
 
 @dataclass(frozen=True)
@@ -48,9 +51,21 @@ class Plugin:
         return PluginError(f"plugin {self}", wanted=wanted, found=found, do=do)
 
 
-@cache
 def plugins(group: str) -> tuple[Plugin, ...]:
     """Plugins of a group, by distribution and name; of two with one name the first counts."""
+    used([f"{PLUGINS}{group}"])
+    return found_plugins(group)
+
+
+def plugin_named(group: str, name: str) -> Plugin | None:
+    """The plugin of that name; None for none. Whoever asks so hangs on no other plugin of the group."""
+    used([f"{PLUGINS}{group} {name}"])
+    return next((plugin for plugin in found_plugins(group) if plugin.name == name), None)
+
+
+@cache
+def found_plugins(group: str) -> tuple[Plugin, ...]:
+    """As ``plugins``, and nobody is told."""
     from importlib.metadata import entry_points  # noqa: PLC0415  (looks through every installed distribution)
 
     found = [

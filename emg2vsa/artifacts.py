@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import dataclasses
 import hashlib
-import importlib
 import json
 import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from casr.atomic import write_bytes_atomic
+from casr.by_name import module_named
 from casr.counts import count
 from emg2vsa.errors import DataError
 
@@ -128,5 +128,5 @@ def _decode(tree: Any, arrays: list[np.ndarray]) -> Any:
     module, name = kind.split(":")
     if not module.startswith(_OWN_PACKAGES):
         raise ValueError(f"foreign type {kind}")
-    cls = getattr(importlib.import_module(module), name)
+    cls = getattr(module_named(module), name)
     return cls(**{key: _decode(item, arrays) for key, item in tree["fields"].items()})

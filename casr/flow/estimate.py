@@ -11,12 +11,12 @@ import itertools
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.by_name import module_named
 from casr.errors import CasrError, FramesError, ImageError, PinsError, SettingError, said_by, said_of
 from casr.flow.dense_engine import DenseEngine, DenseFlow, Dis, ImageEngine
 from casr.flow.pin_engine import PinEngine, need_pins_inside
@@ -25,7 +25,7 @@ from casr.flow.step import MOST_BAD_FRAMES, FlowSettings, FlowStep, notes_by_fra
 from casr.frames import FrameSequence
 from casr.images import Grey, as_grey
 from casr.pins import detect_pins, pins_in_doubt
-from casr.plugins import ENGINES, plugins
+from casr.plugins import ENGINES, plugin_named
 
 
 class PluginEngine:
@@ -35,7 +35,9 @@ class PluginEngine:
     """
 
     def __init__(self, settings: FlowSettings) -> None:
-        self._plugin = next(plugin for plugin in plugins("casr.flow_engines") if plugin.name == settings.engine)
+        plugin = plugin_named("casr.flow_engines", settings.engine)
+        assert plugin is not None, settings  # which the settings have looked at
+        self._plugin = plugin
         self.start_notes = (f"growth is measured by the flow engine {self._plugin}",)
         make = self._plugin.load()
         with self._faults("an engine that can be made"):
@@ -134,7 +136,7 @@ def dense_flow(settings: FlowSettings) -> DenseFlow:
     if settings.engine == "dis":
         return Dis(settings.dis_preset)
     # loaded when used: it compiles its kernels with numba, which the other engines never need and may be absent
-    method: DenseFlow = import_module("casr.flow.horn_schunck").HornSchunck(settings.horn_schunck)
+    method: DenseFlow = module_named("casr.flow.horn_schunck").HornSchunck(settings.horn_schunck)
     return method
 
 

@@ -10,7 +10,7 @@ from casr.errors import SettingError
 from casr.flow.region import Points, Region
 from casr.images import Grey
 from casr.pins import PinSettings
-from casr.plugins import ENGINES, known_engines
+from casr.plugins import ENGINES, known_engines, plugin_named
 
 SINGLE_FROM_ALPHA = 1.0
 MOST_BAD_FRAMES = 2  # so many in a row are left out; one more ends the press
@@ -92,7 +92,7 @@ class FlowSettings:
     dis_preset: str = "medium"
 
     def __post_init__(self) -> None:
-        if self.engine not in ENGINES and self.engine not in known_engines():
+        if self.engine not in ENGINES and plugin_named("casr.flow_engines", self.engine) is None:
             wanted, do = " or ".join(known_engines()), "Choose one of these engines, or install the one that you mean."
             raise SettingError("engine", wanted=wanted, found=repr(self.engine), do=do)
         if not 0 < self.core_fraction <= 1:

@@ -6,12 +6,12 @@ from __future__ import annotations
 import os
 import re
 from dataclasses import dataclass
-from importlib import import_module
 from pathlib import Path
 from typing import Protocol
 
 import cv2
 
+from casr.by_name import module_named
 from casr.errors import FramesError
 from casr.frame_files.pages import PAGE_KINDS, PageFrames
 from casr.frame_files.trouble import check_exists, unreadable
@@ -63,7 +63,7 @@ def open_file(path: Path) -> FileFrames:
             found=f"a file ending in {path.suffix or 'nothing'}",
             do="Give the folder that holds the frames, or save them in one of these formats.",
         )  # fmt: skip
-    frames: FileFrames = import_module(module).open_file(path)
+    frames: FileFrames = module_named(module).open_file(path)
     return frames
 
 

@@ -14,7 +14,7 @@ from emg2vsa.calibration.online_pins import KnownPins
 from emg2vsa.calibration.pinned_presses import camera_of, known_presses, library_of, presses_of
 from emg2vsa.calibration.results import PinsResult
 from emg2vsa.run_scores import RunScores
-from emg2vsa.run_scores.measured import Domes
+from emg2vsa.run_scores.domes import Domes
 from emg2vsa.settings import CalibrationSettings
 
 

@@ -31,7 +31,7 @@ from emg2vsa.calibration.repeats import RepeatInterval, labels_side_by_side, sid
 from emg2vsa.calibration.results import AlgorithmResult, ConditionResult, FusedResult, LawResult, OnLaw, PinsResult
 from emg2vsa.calibration.unknown import Estimate, estimate
 from emg2vsa.run_scores import ALGORITHMS, RunScores
-from emg2vsa.run_scores.measured import NO_DOMES, Domes
+from emg2vsa.run_scores.domes import NO_DOMES, Domes
 from emg2vsa.settings import PAPER, CalibrationSettings, Law
 
 _MOST_UNLIKE = 0.5

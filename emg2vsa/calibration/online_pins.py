@@ -25,7 +25,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.calibration.pinned_presses import camera_of, known_presses, library_of
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
-from emg2vsa.run_scores.measured import Domes
+from emg2vsa.run_scores.domes import Domes
 from emg2vsa.settings import CalibrationSettings
 
 NEW = ""

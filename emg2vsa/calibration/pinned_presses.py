@@ -14,7 +14,7 @@ from casr.kappa.presses import KappaPress
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
-from emg2vsa.run_scores.measured import ALIKE, Domes
+from emg2vsa.run_scores.domes import ALIKE, Domes
 
 
 def camera_of(runs: Sequence[RunScores]) -> Camera:

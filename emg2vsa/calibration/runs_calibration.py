@@ -17,7 +17,7 @@ from emg2vsa.calibration.online_pins import known_pins
 from emg2vsa.calibration.results import CalibrationResults, Headline, LawResult
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import ALGORITHMS, RunScores
-from emg2vsa.run_scores.measured import NO_DOMES, Domes
+from emg2vsa.run_scores.domes import NO_DOMES, Domes
 from emg2vsa.settings import CalibrationSettings
 
 _LEAST_SPECIMENS = 2

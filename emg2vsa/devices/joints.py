@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from emg2vsa.devices.protocols import Joint
-from emg2vsa.devices.registry import kinds, loaded
+from emg2vsa.devices.registry import Kind, each_kind, loaded
 from emg2vsa.errors import ScheduleError
 
 
@@ -37,15 +37,19 @@ class Export(NamedTuple):
 
 def joint_names() -> tuple[str, ...]:
     """Of every joint that schedules can be made for, those of other packages last."""
-    return tuple(name for kind in kinds("actuator").values() for name in kind.joints)
+    return tuple(name for _, kind in each_kind("actuator") for name in kind.joints)
+
+
+def kind_with(joint: str) -> Kind | None:
+    """The actuator that has a joint of this name; None for none."""
+    return next((kind for _, kind in each_kind("actuator") if joint in kind.joints), None)
 
 
 def export_of(name: str, where: str = "schedule.actuator") -> Export:
     """How schedules for the joint are written. ScheduleError where none has this name."""
-    for kind in kinds("actuator").values():
-        if name in kind.joints:
-            found: Export = loaded(kind.export)
-            return found._replace(limit=kind.full_key)
+    if kind := kind_with(name):
+        found: Export = loaded(kind.export)
+        return found._replace(limit=kind.full_key)
     do = "Correct the name of the actuator."
     raise ScheduleError(where, wanted=f"one of {', '.join(joint_names())}", found=repr(name), do=do)
 

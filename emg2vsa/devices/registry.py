@@ -10,11 +10,11 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import cache
-from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple, get_args, get_type_hints
 
+from casr.by_name import module_named
 from casr.errors import PluginError, UserError, said_by
-from casr.plugins import Plugin, plugins
+from casr.plugins import Plugin, plugin_named, plugins
 
 if TYPE_CHECKING:
     from emg2vsa.devices.clock import Clock
@@ -172,7 +172,8 @@ def kind_of(role: str, name: str) -> Kind | None:
     if name in ROLES[role].kinds:
         ours: Kind = loaded(_whole(ROLES[role].kinds[name]))
         return ours
-    kind = next((_of_plugin(each) for each in plugins(GROUP) if each.name == name), None)
+    plugin = plugin_named(GROUP, name)
+    kind = _of_plugin(plugin) if plugin else None
     return kind if kind and kind.role == role else None
 
 
@@ -190,11 +191,21 @@ def known(role: str, settings: Any) -> Kind:
 
 def kinds(role: str) -> dict[str, Kind]:
     """Every kind of a role by its name, ours first; those of other packages that cannot be used are left out."""
-    found = {}
-    for name in (*ROLES[role].kinds, *(plugin.name for plugin in plugins(GROUP))):
+    return dict(each_kind(role))
+
+
+def each_kind(role: str) -> Iterator[tuple[str, Kind]]:
+    """As ``kinds``, one after the other: who finds one of ours looks at no other package."""
+    yield from own_kinds(role)
+    for plugin in plugins(GROUP):
         with suppress(PluginError):
-            found[name] = kind_of(role, name)
-    return {name: kind for name, kind in found.items() if kind}
+            if kind := kind_of(role, plugin.name):
+                yield plugin.name, kind
+
+
+def own_kinds(role: str) -> Iterator[tuple[str, Kind]]:
+    """Those of this project."""
+    return ((name, known_kind) for name in ROLES[role].kinds if (known_kind := kind_of(role, name)))
 
 
 @cache
@@ -237,4 +248,4 @@ def loaded(place: Any) -> Any:
     if not isinstance(place, str):
         return place
     module, _, name = place.partition(":")
-    return getattr(import_module(module), name)
+    return getattr(module_named(module), name)

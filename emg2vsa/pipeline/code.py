@@ -1,28 +1,32 @@
-"""The code behind a result: every module of this project that its stage reaches, and the libraries that those import.
+"""The code behind a result: modules of this project with digests of their code, and libraries with their versions.
 
-Reached is what a module imports, anywhere in it, and what it names in a string: readers, decoders and engines are
-imported by name. Where a module asks for the plugins of a group, the distributions that have some count as libraries.
-Comments and docstrings do not count, nor do imports for type checkers alone.
+Used by a step is what the file of its stage imports, in functions too, what those modules import in turn, and what
+they imported by name while the step ran (``casr.by_name``), which its record in the ledger tells. Reached by a module
+is what steps could use: every module that is named in a string counts as well, and every plugin of a group.
+
+Comments and docstrings do not count, nor do imports for type checkers alone. In the file of a stage imports inside
+functions that only planning calls do not count either: what they give is in the key as settings and files.
 """
 
 from __future__ import annotations
 
 import ast
 import importlib
+import os
 import re
 import sys
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
-from emg2vsa.pipeline.fingerprint import Fingerprints, Part, State, digest, part_of, state_of
+from casr.plugins import PLUGINS
+from emg2vsa.pipeline.fingerprint import PACKAGES, Fingerprints, Part, State, digest, part_of, state_of
+from emg2vsa.pipeline.stage import PLANNED
 
-PACKAGES = ("emg2vsa", "casr")
 _MODULE = re.compile(rf"({'|'.join(PACKAGES)})(\.\w+)+(:\w+)?$")
-_PLUGINS = "plugins "
-"""Begins what stands for the distributions with plugins of a group, among names of libraries."""
 _STANDARD = frozenset(sys.stdlib_module_names) | {"__future__"}
+_STAGES = "emg2vsa.pipeline.stages"
 
 
 @dataclass(frozen=True)
@@ -38,80 +42,121 @@ class Reached:
         return all(state_of(path) == state for path, state in self.states.items())
 
 
+class _Module(NamedTuple):
+    """path, state : of its file when it was digested. own, foreign : modules of this project, and libraries, that are
+    imported with it. named : both of those that it names in strings, and groups of plugins."""
+
+    path: str
+    state: State
+    digest: str
+    own: Sequence[str]
+    foreign: Sequence[str]
+    named: Sequence[str]
+
+
 class Code:
-    """What modules reach, remembered with the digests of other files."""
+    """What modules use and reach, remembered with the digests of other files."""
 
     def __init__(self, prints: Fingerprints) -> None:
         self._prints = prints
-        self._modules: dict[str, tuple[str, State | None, str, list[str], list[str]] | None] = {}
-        self._reached: dict[str, Reached] = {}
+        self._files: dict[str, tuple[str, State]] = {}
+        self._modules: dict[str, _Module | None] = {}
+        self._found: dict[tuple[bool, tuple[str, ...]], Reached] = {}
         self._installed: dict[str, list[tuple[str, str]]] = {}
+
+    def used(self, root: str, loaded: Sequence[str] = ()) -> Reached:
+        """What a step uses whose stage is declared in ``root``. loaded : what it imported or looked up by name."""
+        return self._closure((root, *loaded), reach=False)
 
     def reached(self, root: str) -> Reached:
         """Everything that ``root`` reaches, itself included."""
-        if root not in self._reached:
-            found: dict[str, str] = {}
-            states: dict[str, State | None] = {}
-            foreign: set[str] = set()
-            queue = [root]
+        return self._closure((root,), reach=True)
+
+    def _closure(self, roots: tuple[str, ...], *, reach: bool) -> Reached:
+        if (reach, roots) not in self._found:
+            modules: dict[str, _Module] = {}
+            foreign = {name for name in roots if not _is_own(name)}
+            queue = list(roots)
             while queue:
                 name = queue.pop()
-                module = None if name in found else self._module(name)
+                module = None if name in modules else self._module(name)
                 if module is not None:
-                    path, state, found[name], own, others = module
-                    states[path] = state
-                    foreign.update(others)
-                    queue += own
-                    queue += [name.rpartition(".")[0]] if "." in name else []  # a package runs before its modules
-            self._reached[root] = Reached(part_of(found), part_of(self._versions(foreign)), states)
-        return self._reached[root]
+                    modules[name] = module
+                    foreign.update(module.foreign)
+                    queue += module.own
+                    if reach:
+                        queue += module.named
+                        foreign.update(other for other in module.named if not _is_own(other))
+            self._found[reach, roots] = Reached(
+                part_of({name: module.digest for name, module in modules.items()}),
+                part_of(self._versions(foreign)),
+                {module.path: module.state for module in modules.values()},
+            )
+        return self._found[reach, roots]
 
-    def _module(self, name: str) -> tuple[str, State | None, str, list[str], list[str]] | None:
-        """Path, state when digested, digest, modules of this project and libraries that it imports; None for no module.
-
-        A module is read once: an edit while a study runs is noticed by its state.
-        """
+    def _module(self, name: str) -> _Module | None:
+        """None for no module. A module is read once. Its state is that of the first question about any, so that an edit
+        while a study runs is noticed, whenever the module is first used."""
         if name not in self._modules:
-            path = module_file(name)
-            if path is None:
-                self._modules[name] = None
-            else:
-                package = name if path.endswith("__init__.py") else name.rpartition(".")[0]
-                state = state_of(path)
-                value = self._prints.computed(path, lambda data: _digested(data, package), state)
-                self._modules[name] = None if value is None else (path, state, *value)
+            if not self._files:
+                self._files = {found: at for package in PACKAGES for found, at in _files_of(package)}
+            self._modules[name] = self._digested(name, *self._files[name]) if name in self._files else None
         return self._modules[name]
 
-    def _versions(self, names: set[str]) -> dict[str, str]:
+    def _digested(self, name: str, path: str, state: State) -> _Module | None:
+        above = name.rpartition(".")[0]
+        package = name if path.endswith("__init__.py") else above
+        found = self._prints.computed(path, lambda data: _digested(data, package), state)
+        if found is None:
+            return None
+        code, own, foreign, named = found
+        # a package runs before its modules; of names that may be modules few are
+        return _Module(path, state, code, [each for each in (*own, above) if each in self._files], foreign, named)
+
+    def _versions(self, names: Iterable[str]) -> dict[str, str]:
         found = {"python": f"{sys.version_info[0]}.{sys.version_info[1]}"}
         for name in sorted(names):
             found |= dict(self._distributions(name))
         return found
 
     def _distributions(self, name: str) -> list[tuple[str, str]]:
-        """Distributions of an import name or of a group of plugins, with versions; an import name can be ``absent``."""
+        """Distributions of an import name, of a group of plugins, or of one name in it, with versions; an import name
+        can be ``absent``."""
         if not self._installed:
             self._installed = {key: list(map(tuple, of)) for key, of in self._prints.installed(_installed).items()}
-        return self._installed.get(name, [] if name.startswith(_PLUGINS) else [(name, "absent")])
+        first = name if name.startswith(PLUGINS) else name.partition(".")[0]
+        if first in _STANDARD:
+            return []
+        return self._installed.get(first, [] if first.startswith(PLUGINS) else [(_one_name(first), "absent")])
+
+
+def _is_own(name: str) -> bool:
+    return name.partition(".")[0] in PACKAGES
 
 
 @cache
-def _folder(package: str) -> str:
-    return str(Path(str(importlib.import_module(package).__file__)).parent)
+def folder_of(package: str) -> str:
+    """Folder of one of our packages."""
+    return os.path.dirname(str(importlib.import_module(package).__file__))
 
 
-@cache
-def module_file(name: str) -> str | None:
-    """File of a module of this project; None where there is none."""
-    package, *inner = name.split(".")
-    if package not in PACKAGES:
-        return None
-    base = "/".join([_folder(package), *inner])
-    return next((path for path in (f"{base}.py", f"{base}/__init__.py") if Path(path).is_file()), None)
+def _files_of(package: str) -> Iterator[tuple[str, tuple[str, State]]]:
+    """Every module of a package, its file, and the state of that."""
+    folders = [(package, folder_of(package))]
+    while folders:
+        name, folder = folders.pop()
+        with os.scandir(folder) as entries:
+            for entry in entries:
+                stem, dot, kind = entry.name.partition(".")
+                if not dot and entry.is_dir() and stem.isidentifier():
+                    folders.append((f"{name}.{stem}", entry.path))
+                elif kind == "py" and (state := state_of(entry.path)) is not None:
+                    yield name if stem == "__init__" else f"{name}.{stem}", (entry.path, state)
 
 
 def _installed() -> dict[str, list[tuple[str, str]]]:
-    """Import name, and group of plugins, to its distributions with their versions; slow, and loaded by this alone."""
+    """Import name, group of plugins, and one name in a group, to its distributions with their versions; slow, and
+    loaded by this alone."""
     from importlib.metadata import distributions, packages_distributions, version
 
     names = {name: list(of) for name, of in packages_distributions().items()}
@@ -119,39 +164,44 @@ def _installed() -> dict[str, list[tuple[str, str]]]:
         if distribution.name in PACKAGES:  # its modules count, whatever its version
             continue
         for entry in distribution.entry_points:
-            if entry.group.startswith(tuple(f"{package}." for package in PACKAGES)):
-                names.setdefault(f"{_PLUGINS}{entry.group}", []).append(distribution.name)
-    return {name: [(one, version(one)) for one in sorted(set(of))] for name, of in names.items()}
+            if _is_own(entry.group):
+                for key in (f"{PLUGINS}{entry.group}", f"{PLUGINS}{entry.group} {entry.name}"):
+                    names.setdefault(key, []).append(distribution.name)
+    return {name: [(_one_name(one), version(one)) for one in sorted(set(of))] for name, of in names.items()}
+
+
+def _one_name(library: str) -> str:
+    """A library has one name, however an import or its authors spell it."""
+    return re.sub(r"[-_.]+", "-", library).lower()
 
 
 def _digested(source: bytes, package: str) -> list[Any]:
-    """Digest of the code, names in this project that may be modules it imports, names of foreign packages."""
+    """Digest of the code; modules of this project, and libraries, that it may import; what it names."""
     tree = ast.parse(source)
     names: set[str] = set()
-    groups: set[str] = set()
-    for node in _walk(tree):
+    named: set[str] = set()
+    for node in _walk(tree, _of_planning(tree) if package == _STAGES else frozenset()):
         if isinstance(node, ast.Import):
             names.update(alias.name for alias in node.names)
         elif isinstance(node, ast.ImportFrom):
             origin = _origin(node, package)
             names.update([origin, *(f"{origin}.{alias.name}" for alias in node.names)])
-        elif isinstance(node, ast.Call) and _called(node) == "import_module":
-            names.update(_first_text(node))
-        elif isinstance(node, ast.Call) and _called(node) == "plugins":
-            groups.update(_first_text(node))
+        elif isinstance(node, ast.Call) and _called(node) in ("import_module", "module_named"):
+            named.update(_first_text(node))
+        elif isinstance(node, ast.Call) and _called(node) in ("plugins", "plugin_named"):
+            named.update(f"{PLUGINS}{group}" for group in _first_text(node))
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and _MODULE.match(node.value):
-            names.add(node.value.partition(":")[0])
+            named.add(node.value.partition(":")[0])
+    for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):
             node.body = [statement for statement in body if not _is_text(statement)]  # type: ignore[attr-defined]
-    firsts = {name.partition(".")[0] for name in names}
-    foreign = firsts.difference(PACKAGES, _STANDARD) | {f"{_PLUGINS}{group}" for group in groups}
-    own = sorted(name for name in names if name.partition(".")[0] in PACKAGES)
-    return [digest(ast.dump(tree)), own, sorted(foreign)]
+    foreign = {first for name in names if not _is_own(name) and (first := name.partition(".")[0]) not in _STANDARD}
+    return [digest(ast.dump(tree)), sorted(filter(_is_own, names)), sorted(foreign), sorted(named)]
 
 
-def _walk(tree: ast.AST) -> list[ast.AST]:
-    """Every node but those below ``if TYPE_CHECKING:``."""
+def _walk(tree: ast.AST, without: frozenset[ast.AST]) -> list[ast.AST]:
+    """Every node but those below ``if TYPE_CHECKING:`` and ``without``."""
     found, queue = [], [tree]
     while queue:
         node = queue.pop()
@@ -159,8 +209,33 @@ def _walk(tree: ast.AST) -> list[ast.AST]:
         if isinstance(node, ast.If) and isinstance(node.test, ast.Name) and node.test.id == "TYPE_CHECKING":
             queue += node.orelse
         else:
-            queue += ast.iter_child_nodes(node)
+            queue += (child for child in ast.iter_child_nodes(node) if child not in without)
     return found
+
+
+def _of_planning(tree: ast.Module) -> frozenset[ast.AST]:
+    """Functions of a stage's file that nothing but planning calls: nothing else in the file names them."""
+    functions = {each.name: each for each in tree.body if isinstance(each, ast.FunctionDef)}
+    others = (each for each in tree.body if not isinstance(each, ast.FunctionDef))
+    queue: list[ast.AST] = [name for each in others for name in _without_planned(each)]
+    called: set[str] = set()
+    while queue:
+        node = queue.pop()
+        if isinstance(node, ast.Name) and node.id in functions and node.id not in called:
+            called.add(node.id)
+            queue.append(functions[node.id])
+        queue += ast.iter_child_nodes(node)
+    return frozenset(function for name, function in functions.items() if name not in called)
+
+
+def _without_planned(node: ast.AST) -> Iterator[ast.AST]:
+    """The names in a statement but those that it gives a `Stage` for planning."""
+    if isinstance(node, ast.keyword) and node.arg in PLANNED:
+        return
+    if isinstance(node, ast.Name):
+        yield node
+    for child in ast.iter_child_nodes(node):
+        yield from _without_planned(child)
 
 
 def _origin(node: ast.ImportFrom, package: str) -> str:

@@ -13,7 +13,7 @@ import json
 import os
 import sys
 import time
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
 from typing import Any
 
@@ -23,9 +23,11 @@ from emg2vsa.pipeline.stage import Keyed
 State = tuple[int, int, int, int]
 """Size, times of modification and of change (ns), inode."""
 
+PACKAGES = ("emg2vsa", "casr")
+"""Those of this project."""
 MISSING = "missing"
 _SETTLED_NS = 1_000_000_000
-_START, _MIDDLE = b'{"sum": "', b'", "files": '
+_START, _MIDDLE = b'{"sum": "', b'", "seen": '
 _INSTALLED = "installed libraries and plugins"
 
 
@@ -144,9 +146,9 @@ def _read(memory: Path, warn: Callable[[str], None]) -> dict[str, list[Any]]:
             known: dict[str, list[Any]] = json.loads(files)
             return known
         content = json.loads(data)
-        if not isinstance(content, dict) or "files" in content:
+        if not isinstance(content, dict) or "seen" in content:
             raise ValueError("not as it was written")
-        return {}  # of version 0.1.0: other states, read anew
+        return {}  # of an earlier version, which kept something else: all is read anew
     except FileNotFoundError:
         return {}
     except (OSError, ValueError, RecursionError) as error:
@@ -172,16 +174,43 @@ class Values:
 
     def __init__(self) -> None:
         self._seen: dict[int, tuple[Any, Any]] = {}
-        self._parts: dict[tuple[Hashable, ...], tuple[Any, Part]] = {}
+        self._held: dict[tuple[int, int], tuple[Any, set[str]]] = {}
+        self._parts: dict[tuple[Hashable, ...], tuple[Any, Part, tuple[str, ...]]] = {}
 
     def part(self, settings: dict[str, Any]) -> Part:
         """The settings of one step."""
+        return self._known(settings)[1]
+
+    def types(self, settings: dict[str, Any]) -> tuple[str, ...]:
+        """Modules of this project whose objects the settings are: what uses these need not import those."""
+        return self._known(settings)[2]
+
+    def _known(self, settings: dict[str, Any]) -> tuple[Any, Part, tuple[str, ...]]:
         same = tuple(item for name, value in settings.items() for item in (name, _same(value)))
         known = self._parts.get(same)
         if known is None:
             # the settings are kept, so that no other object gets their id
-            self._parts[same] = known = (settings, part_of(self.plain(settings)))
-        return known[1]
+            types = tuple(sorted(self._modules(settings.values())))
+            self._parts[same] = known = (settings, part_of(self.plain(settings)), types)
+        return known
+
+    def _modules(self, values: Iterable[Any], depth: int = 3) -> set[str]:
+        """Modules of this project that define the types of ``values``, and of what these hold, so many levels deep:
+        what lies deeper is of modules that the upper ones import. Of several values of one type the last counts."""
+        found: set[str] = set()
+        for (kind, keyed), value in {_kind_of(value): value for value in values}.items():
+            if kind.__module__.partition(".")[0] in PACKAGES:
+                found.add(kind.__module__)
+            if keyed or not depth:
+                continue
+            if dataclasses.is_dataclass(value):
+                if (known := self._held.get((id(value), depth))) is None:
+                    own = [getattr(value, each.name) for each in dataclasses.fields(value)]
+                    self._held[id(value), depth] = known = (value, self._modules(own, depth - 1))
+                found |= known[1]
+            elif isinstance(value, (list, tuple, dict)):
+                found |= self._modules(value.values() if isinstance(value, dict) else value, depth - 1)
+        return found
 
     def plain(self, value: Any) -> Any:
         """``value`` in a fixed order. Paths count as nothing: what lies there enters a key by its content."""
@@ -206,7 +235,12 @@ class Values:
 def _same(value: Any) -> Hashable:
     """Equal for settings that are surely the same: by what they are where they are plain, by their place otherwise."""
     if isinstance(value, Keyed):
-        return _same(value.key)
+        return type(value.value), _same(value.key)
     if isinstance(value, tuple):
         return tuple(map(_same, value))
     return (type(value), value) if value is None or isinstance(value, (str, int, float)) else id(value)
+
+
+def _kind_of(value: Any) -> tuple[type, bool]:
+    """The type of a value, and whether only a part of the value counts."""
+    return (type(value.value), True) if isinstance(value, Keyed) else (type(value), False)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,7 +41,8 @@ class Entry:
 
     status : done or failed. final : the failure is the input's fault, and the step is not tried again. result : digest
     of the stored result, "" of a failed step. kernel : of the BLAS that it ran with; of another one the same result may
-    differ in its last digits. "" where nobody noted it.
+    differ in its last digits. "" where nobody noted it. loaded : what the step imported or looked up by name; the code
+    and the libraries among its parts are those that follow from that.
     """
 
     step: str
@@ -52,6 +53,7 @@ class Entry:
     result: str
     parts: Parts
     kernel: str = ""
+    loaded: Sequence[str] = ()
 
 
 _SHARED = ("settings", "code", "libraries")
@@ -89,6 +91,10 @@ class Ledger:
     def steps(self) -> Iterable[str]:
         """Ids of all steps that ended once."""
         return self._entries.keys()
+
+    def loaded(self, step: str) -> list[tuple[str, ...]]:
+        """What the kept entries of a step loaded, the newest first."""
+        return [tuple(entry.loaded) for entry in self._entries.get(step, ())]
 
     def keys(self, step: str) -> list[str]:
         """Keys of the kept entries of a step, the newest first."""
@@ -200,7 +206,8 @@ def _of_entry(entry: Entry) -> dict[str, Any]:
     parts = {name: getattr(entry.parts, name).digest for name in _SHARED}
     parts |= {"files": dict(entry.parts.files), "inputs": dict(entry.parts.inputs)}
     told = {"step": entry.step, "key": entry.key, "status": entry.status, "message": entry.message}
-    return told | {"final": entry.final, "result": entry.result, "parts": parts, "kernel": entry.kernel}
+    told |= {"final": entry.final, "result": entry.result, "parts": parts}
+    return told | {"kernel": entry.kernel, "loaded": entry.loaded}
 
 
 def differences(old: Parts, new: Parts, unknown: Iterable[str] = ()) -> list[str]:

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from casr.blas_kernel import blas_kernel
 from emg2vsa import artifacts
 from emg2vsa.pipeline.campaign import Campaign, campaign
 from emg2vsa.pipeline.code import Code, Reached
-from emg2vsa.pipeline.fingerprint import Fingerprints, Values, digest, state_of
+from emg2vsa.pipeline.fingerprint import Fingerprints, Part, Values, digest, state_of
 from emg2vsa.pipeline.fingerprint import State as FileState
 from emg2vsa.pipeline.ledger import Entry, Ledger, Parts, differences
 from emg2vsa.pipeline.stage import Given, Stage, value_of
@@ -25,6 +24,7 @@ DONE = frozenset({"fresh", "done"})
 """A result is there."""
 REFUSED = frozenset({"failed", "blocked"})
 """There is none, and will be none before something changes."""
+_NOTHING = Part("", {})
 _AGAIN = "the last try ended unexpectedly"
 _PROJECT = "{project}/"
 """Stands for the folder of the study file in messages that are kept."""
@@ -36,7 +36,8 @@ class Step:
 
     status : ``fresh``, ``stale`` with its reasons, ``waits`` for inputs that may turn out as they were, ``failed``,
     ``blocked`` by a failed input, or ``done`` just now. key : "" while an input is not known. result : digest of the
-    stored result. reads : state of each file outside the store as it was digested. at : path of the result.
+    stored result. reads : state of each file outside the store as it was digested. at : path of the result. types :
+    modules that define what its settings are. loaded : what else it imports or looks up by name, as of its last run.
     """
 
     stage: str
@@ -49,6 +50,8 @@ class Step:
     result: str = ""
     reads: dict[str, FileState | None] = field(default_factory=dict)
     at: Path | None = None
+    types: tuple[str, ...] = ()
+    loaded: tuple[str, ...] = ()
 
     @property
     def id(self) -> str:
@@ -86,8 +89,7 @@ class StepPlan:
 
     def add_stage(self, name: str) -> list[Step]:
         """Every step of a stage, given the steps of the stages before it."""
-        reached = self._code.reached(module_of(name))
-        added = [self._step(name, item, reached) for item in items(self.campaign, name)]
+        added = [self._step(name, item) for item in items(self.campaign, name)]
         if stage(name).on_request and name not in self._asked:
             added = [step for step in added if step.status in DONE or step.status == "waits"]
         self._of[name] = added
@@ -146,14 +148,16 @@ class StepPlan:
             folder=None if own.folder is None else own.folder(self.campaign, step.item),
         )
 
-    def end(self, step: Step, status: str, message: str, *, final: bool) -> bool:
+    def end(self, step: Step, status: str, message: str, *, final: bool, loaded: tuple[str, ...]) -> bool:
         """Record that a step has ended; whether it is to be tried again at once, as a file changed while it ran.
 
-        A result is kept only if the files it was made from, and the code, are as they were when its key was made.
+        Its key is made anew of what it used. A result is kept only if the files it was made from, and the code, are as
+        they were before it ran.
         """
         unfinished = self.store.unfinished(step.id, step.key)
         changed = self._changed_meanwhile(step)
-        code_holds = self._code.reached(module_of(step.stage)).holds()
+        imported = self._code.used(module_of(step.stage), step.types).modules.value
+        code_holds = self._use(step, tuple(name for name in loaded if name not in imported)).holds()
         if changed or not code_holds:
             unfinished.unlink(missing_ok=True)
             what = changed or "The program's code changed"
@@ -168,6 +172,13 @@ class StepPlan:
         step.status, step.message = status, message
         self._record(step, final=final)
         return False
+
+    def _use(self, step: Step, loaded: tuple[str, ...]) -> Reached:
+        """Give a step the key that it has with the code and libraries that it uses, and say which they are."""
+        used = self._code.used(module_of(step.stage), tuple(dict.fromkeys((*step.types, *loaded))))
+        step.parts = replace(step.parts, code=used.modules, libraries=used.libraries)
+        step.key, step.loaded = _key(step.stage, step.item, step.parts), loaded
+        return used
 
     def _changed_meanwhile(self, step: Step) -> str:
         for path, state in step.reads.items():
@@ -184,7 +195,8 @@ class StepPlan:
 
     def _record(self, step: Step, *, final: bool) -> None:
         message = self._portable(step.message)
-        entry = Entry(step.id, step.key, step.status, message, final, step.result, step.parts, blas_kernel())
+        parts, kernel = step.parts, blas_kernel()
+        entry = Entry(step.id, step.key, step.status, message, final, step.result, parts, kernel, step.loaded)
         self.ledger.record(entry)
 
     def _portable(self, message: str) -> str:
@@ -194,7 +206,7 @@ class StepPlan:
     def _here(self, message: str) -> str:
         return message.replace(_PROJECT, f"{self.study.path.parent}{os.sep}")
 
-    def _step(self, name: str, item: str, reached: Reached) -> Step:
+    def _step(self, name: str, item: str) -> Step:
         own = stage(name)
         known: dict[str, str] = {}
         unknown: list[str] = []
@@ -216,19 +228,30 @@ class StepPlan:
         for paths in own.files(self.campaign, item).values():
             for path in map(str, paths):
                 reads[path], files[_beside(path, base)] = self.prints.seen(path)
-        settings = self._values.part(own.settings(self.campaign, item))
-        parts = Parts(settings, files, known, reached.modules, reached.libraries)
-        step = Step(name, item, parts, "" if unknown else _key(name, item, parts), reads=reads)
+        settings = own.settings(self.campaign, item)
+        parts = Parts(self._values.part(settings), files, known, _NOTHING, _NOTHING)
+        step = Step(name, item, parts, "", reads=reads, types=self._values.types(settings))
+        self._use_as_before(step)
         if blocked:
             step.status, step.message = "blocked", f"{blocked} failed"
         elif unknown:
-            last = self.ledger.last(step.id)
-            reasons = () if last is None else tuple(differences(last.parts, parts, unknown))
+            step.key, last = "", self.ledger.last(step.id)
+            reasons = () if last is None else tuple(differences(last.parts, step.parts, unknown))
             step.status = "stale" if reasons or last is None else "waits"
             step.reasons = reasons or (("never ran",) if last is None else tuple(f"input {one}" for one in unknown))
         else:
             self._look_up(step, own)
         return step
+
+    def _use_as_before(self, step: Step) -> None:
+        """Give a step the key that a kept entry has, if it uses today what it used then; else the one that it would
+        have, did it use the same modules and libraries as last time."""
+        kept = (self.ledger, self._below) if self._below else (self.ledger,)
+        before = list(dict.fromkeys(loaded for ledger in kept for loaded in ledger.loaded(step.id))) or [()]
+        for loaded in (*before, before[0]):
+            self._use(step, loaded)
+            if any(ledger.with_key(step.id, step.key) for ledger in kept):
+                return
 
     def _look_up(self, step: Step, own: Stage) -> None:
         """Status of a step whose key is known."""
@@ -246,7 +269,7 @@ class StepPlan:
                 step.status, step.message = "fresh", self._here(entry.message)
                 step.result, step.at = entry.result, path
                 return
-        if self._adopted(step, own) or self._found_below(step, own):
+        if self._found_below(step, own):
             step.status = "fresh"
             return
         last = self.ledger.last(step.id)
@@ -270,19 +293,6 @@ class StepPlan:
         folder = own.folder(self.campaign, item)
         more = "" if own.alone_in is None else written.besides(folder, own.alone_in(self.campaign, item))
         return f"{more} is not of it" if more else written.trouble(folder, self.prints)
-
-    def _adopted(self, step: Step, own: Stage) -> bool:
-        """A result that a killed run stored and did not record."""
-        path = self.store.path(step.id, step.key)
-        if own.folder is not None or not path.exists() or self.ledger.with_key(step.id, step.key):
-            return False
-        with contextlib.suppress(artifacts.DamagedResult):
-            message = own.says(artifacts.load(path))
-            step.result, step.at, step.status, step.message = self.prints.file(path), path, "done", message
-            if not self._reading:
-                self._record(step, final=False)
-            return True
-        return False
 
     def _found_below(self, step: Step, own: Stage) -> bool:
         """A result of the store below; files that a stage wrote there do not count here."""

@@ -114,7 +114,7 @@ def _run_stage(
         if ended.damaged:
             plan.prints.forget(ended.damaged)
             step.status, step.message, again = "failed", ended.message, True
-        elif plan.end(step, ended.status, ended.message, final=ended.final):
+        elif plan.end(step, ended.status, ended.message, final=ended.final, loaded=ended.loaded):
             again = True
         elif step.status == "done":
             ran.add(step.id)

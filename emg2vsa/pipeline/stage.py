@@ -74,9 +74,12 @@ def nothing(campaign: Campaign, item: str) -> dict[str, Any]:
     return {}
 
 
+PLANNED = ("settings", "files", "takes", "folder", "alone_in")
+
+
 @dataclass(frozen=True)
 class Stage:
-    """One stage.
+    """One stage. What `PLANNED` names is called while a study is planned; a step itself calls ``run`` and ``says``.
 
     needs : stages whose results it takes. per : what it runs for. of : the part of a study it belongs to.
     run : makes the product from what is given; a stage that writes files returns their paths, all inside its folder.

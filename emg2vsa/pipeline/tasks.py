@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from casr.by_name import noting
 from casr.errors import PassingError, UserError
 from emg2vsa import artifacts
 from emg2vsa.pipeline.profile import Spent, measured
@@ -22,7 +23,7 @@ class Ended:
 
     status : done or failed. message : what went wrong, or what a person should read of the product. final : the same
     input would fail the same way. damaged : stored result that could not be read, "" where all could. spent : what it
-    took, where the task was asked.
+    took, where the task was asked. loaded : what it imported or looked up by name.
     """
 
     step: str
@@ -31,6 +32,7 @@ class Ended:
     final: bool = False
     damaged: str = ""
     spent: Spent | None = None
+    loaded: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -47,11 +49,14 @@ class Task:
     profiled: bool = False
 
     def __call__(self) -> Ended:
-        if not self.profiled:
-            return self._ended()
-        with measured() as spent:
-            ended = self._ended()
-        return replace(ended, spent=spent)
+        with noting() as loaded:
+            if not self.profiled:
+                ended = self._ended()
+            else:
+                with measured() as spent:
+                    ended = self._ended()
+                ended = replace(ended, spent=spent)
+        return replace(ended, loaded=tuple(sorted(loaded)))
 
     def _ended(self) -> Ended:
         try:

@@ -7,12 +7,12 @@ decoder.
 
 from __future__ import annotations
 
-import importlib
 import stat
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
+from casr.by_name import module_named
 from casr.counts import count
 from casr.decoder_process import DecoderFailed, DecoderLost, InChild, Limits
 from casr.errors import install_extra, said_by
@@ -81,7 +81,7 @@ def _opened(path: Path, reader: Reader, reading: ReadingSettings) -> OpenRecordi
     _count(path)
     if reader.library is not None:
         return _OpenInChild(path, reader, reading)
-    opened: OpenRecording = importlib.import_module(reader.module).open_recording(path)
+    opened: OpenRecording = module_named(reader.module).open_recording(path)
     return opened
 
 

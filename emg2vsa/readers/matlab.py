@@ -15,7 +15,6 @@ EMG is in V, as EMGworks writes it.
 
 from __future__ import annotations
 
-import importlib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -26,6 +25,7 @@ import numpy as np
 import scipy.io
 from numpy.typing import NDArray
 
+from casr.by_name import module_named
 from casr.errors import install_extra, said_by
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.on_demand import OnDemand, Track, refuse_nothing
@@ -207,7 +207,7 @@ def _variables(path: Path) -> dict[str, Any]:
 
 def _variables_of_hdf5(path: Path) -> dict[str, Any]:
     try:
-        pymatreader = importlib.import_module("pymatreader")
+        pymatreader = module_named("pymatreader")
     except ImportError as error:
         raise RecordingError(
             path, wanted="a MATLAB file up to version 7", found="version 7.3, which needs the package pymatreader",

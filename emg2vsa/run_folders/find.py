@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 import difflib
-import importlib
 import json
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import get_args
 
+from casr.by_name import module_named
 from casr.errors import CasrError
 from emg2vsa.errors import DataError
 from emg2vsa.rig.record.new_folder import EMULATED_FILE, KAPPA_ABOUT_FILE, PLAN_FILE
@@ -96,7 +96,7 @@ def _overlap(one: Path, other: Path) -> bool:
 def _holds_frames(folder: Path) -> bool:
     # what opens frames is loaded for the folders in question alone: most tables list them all
     try:
-        return bool(importlib.import_module("casr.frame_files").find_presses(folder))
+        return bool(module_named("casr.frame_files").find_presses(folder))
     except CasrError:
         return False
 

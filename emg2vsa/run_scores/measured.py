@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields, replace
-from typing import NamedTuple
 
 import numpy as np
 
 from casr.camera import undistorted
 from casr.contact_area import InitialArea, initial_area
 from casr.contact_area.motion import array_area_px2
-from casr.dome.tables import USUAL_HEIGHT_MM
 from casr.doubts import Stretch, stretch_of
 from casr.errors import CasrError
 from casr.flow.estimate import FlowSettings
@@ -19,6 +17,7 @@ from casr.kappa.presses import KappaPress
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
 from casr.scoring import score, score_skin
 from emg2vsa.arrays import Floats
+from emg2vsa.run_scores.domes import NO_DOMES, Domes
 from emg2vsa.run_scores.product import PressPins
 from emg2vsa.settings import RECIPES, Recipe, RunSettings
 
@@ -38,30 +37,6 @@ class Numbers:
     outlines_px: tuple[Floats, ...] = ()
     missing: str = ""
     over_array: float = np.nan
-
-
-class Domes(NamedTuple):
-    """Whose tables the front is found by: a sensor's own, on specimens of this height; see ``casr.ScoreSettings``."""
-
-    domes: str | None = None
-    specimen_height_mm: float | None = None
-
-
-NO_DOMES = Domes()
-"Those that come with casr."
-ALIKE = 0.1
-"Share of 25 mm by which a specimen may differ from those of the tables that come with casr: 1 to 2 % of the area."
-
-
-def notes_on_height(height_mm: float | None) -> tuple[str, ...]:
-    """Of a specimen that is scored by the tables that come with casr."""
-    if height_mm is None or abs(height_mm / USUAL_HEIGHT_MM - 1) <= ALIKE:
-        return ()
-    return (
-        f"The specimen is {height_mm:g} mm high, tables that come with casr are of {USUAL_HEIGHT_MM:g} mm: on 10 mm "
-        "areas and CASR are up to 5 % off at 1.8 to 7.6 N/mm, and more on softer ones. Solve tables (casr dome) and "
-        "name them: domes under [runs].",
-    )
 
 
 class Measured:

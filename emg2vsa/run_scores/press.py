@@ -11,7 +11,8 @@ from casr.errors import CasrError
 from casr.frames import FrameSequence, travel_per_newton
 from casr.scored import SkinScore
 from emg2vsa.arrays import Floats
-from emg2vsa.run_scores.measured import NO_DOMES, Domes, Measured, Numbers
+from emg2vsa.run_scores.domes import NO_DOMES, Domes
+from emg2vsa.run_scores.measured import Measured, Numbers
 from emg2vsa.run_scores.product import ALGORITHMS, PICTURED_N, ContactPicture, PressCurve, PressPins
 from emg2vsa.settings import RunSettings
 

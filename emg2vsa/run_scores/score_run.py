@@ -12,7 +12,7 @@ from casr.camera import KEYS, Camera
 from casr.errors import CasrError
 from emg2vsa.arrays import Floats
 from emg2vsa.run_scores.counted_pins import counted_pins
-from emg2vsa.run_scores.measured import NO_DOMES, Domes
+from emg2vsa.run_scores.domes import NO_DOMES, Domes
 from emg2vsa.run_scores.press import Press, ScoredPress, score_press
 from emg2vsa.run_scores.product import ALGORITHMS, PICTURED_N, FirstContact, PressCurve, RunScores
 from emg2vsa.settings import RunSettings

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from emg2vsa.devices.joints import joint_names
+from emg2vsa.devices.joints import joint_names, kind_with
 from emg2vsa.errors import ScheduleError
 from emg2vsa.schedules.schedule import CONDITIONS, Schedule, step_tolerance_n
 
@@ -57,7 +57,8 @@ def _head_rules(schedule: Schedule) -> Iterator[tuple[str, bool, str, object]]:
     yield "specimen", bool(schedule.specimen), "a name", repr(schedule.specimen)
     yield "provenance", texts, "only texts", schedule.provenance
     yield "condition", schedule.condition in CONDITIONS, f"one of {', '.join(CONDITIONS)}", schedule.condition
-    yield "limits.actuator", limits.actuator in joint_names(), f"one of {', '.join(joint_names())}", limits.actuator
+    if kind_with(limits.actuator) is None:
+        yield "limits.actuator", False, f"one of {', '.join(joint_names())}", limits.actuator
     yield "limits.scale", limits.scale in ("preset", "stiffness"), "preset or stiffness", limits.scale
     yield "limits.stiffness_percent", 0 <= low < high <= 100, "two rising values from 0 to 100 %", f"{low}, {high}"
     export = limits.export

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from emg2vsa.devices.joints import Export, export_of, joint_names
+from emg2vsa.devices.joints import Export, export_of, joint_names, kind_with
 from emg2vsa.errors import ScheduleError
 from emg2vsa.schedules.checks import EXPORT_AGAIN
 from emg2vsa.schedules.schedule import Limits, Ramp, Schedule
@@ -114,7 +114,7 @@ def export_in(document: Document, where: str) -> Export:
     limits = document.get("limits")
     name = limits.get("actuator") if isinstance(limits, dict) else None
     name = name if isinstance(name, str) else joint_names()[0]
-    if name not in joint_names():
+    if kind_with(name) is None:
         wanted = f"one of {', '.join(joint_names())}"
         raise ScheduleError(f"{where}, limits.actuator", wanted=wanted, found=repr(name), do=EXPORT_AGAIN)
     export = export_of(name)

@@ -9,7 +9,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from emg2vsa.devices.registry import kinds
+from emg2vsa.devices.joints import joint_names, kind_with
+from emg2vsa.devices.registry import own_kinds
 from emg2vsa.settings import (
     MOST_BINS,
     RECIPES,
@@ -155,11 +156,11 @@ def _bracket(profile: ProfileSettings, specimens: tuple[SpecimenTable, ...], of_
 
 def _schedule(schedule: ScheduleSettings) -> Iterator[Problem]:
     yield from _rising(schedule.stiffness_percent, ("schedule", "stiffness_percent"))
-    keys = _full_keys()
-    if schedule.actuator not in keys:
-        wanted, do = f"one of {', '.join(keys)}", nearest(schedule.actuator, keys)
+    if (kind := kind_with(schedule.actuator)) is None:
+        known = joint_names()
+        wanted, do = f"one of {', '.join(known)}", nearest(schedule.actuator, known)
         yield Problem(("schedule", "actuator"), wanted, shown(schedule.actuator), do)
-    elif getattr(schedule, key := keys[schedule.actuator], None) is None:
+    elif getattr(schedule, key := kind.full_key, None) is None:
         wanted = f"a key {key!r} with actuator = {schedule.actuator!r}: its full preset"
         yield Problem(("schedule", key), wanted, "nothing")
 
@@ -178,17 +179,11 @@ def _plates(specimens: tuple[SpecimenTable, ...]) -> Iterator[Problem]:
 
 
 def _full_preset(schedule: ScheduleSettings, raw: Mapping[str, Any]) -> Iterator[Problem]:
-    keys = _full_keys()
-    own = keys.get(schedule.actuator)
-    for other in dict.fromkeys(keys.values()):
-        if own and other != own and other in raw.get("schedule", {}):
+    kind = kind_with(schedule.actuator)
+    for other in dict.fromkeys(each.full_key for _, each in own_kinds("actuator")):
+        if kind and other != (own := kind.full_key) and other in raw.get("schedule", {}):
             wanted = f"no key of another actuator with actuator = {schedule.actuator!r}"
             yield Problem(("schedule", other), wanted, repr(other), f"Give {own!r}, or correct actuator.")
-
-
-def _full_keys() -> dict[str, str]:
-    """Joint to the key of its full preset."""
-    return {joint: kind.full_key for kind in kinds("actuator").values() for joint in kind.joints}
 
 
 def _step(schedule: ScheduleSettings, window: WindowSettings) -> Iterator[Problem]:

@@ -16,7 +16,7 @@ from emg2vsa.calibration.online_pins import PinsEstimator
 from emg2vsa.calibration.results import ConditionResult
 from emg2vsa.calibration.runs_calibration import calibrate_runs, online_calibrations
 from emg2vsa.run_scores import RunScores
-from emg2vsa.run_scores.measured import Domes
+from emg2vsa.run_scores.domes import Domes
 from emg2vsa.run_scores.product import PressPins
 from emg2vsa.settings import CalibrationSettings
 

@@ -11,7 +11,7 @@ import pytest
 from emg2vsa import artifacts
 from emg2vsa.cli import main
 from emg2vsa.errors import SettingError
-from emg2vsa.pipeline import fingerprint, tasks
+from emg2vsa.pipeline import fingerprint, shared_settings, tasks
 from emg2vsa.pipeline.campaign import campaign
 from emg2vsa.pipeline.fingerprint import Fingerprints, Values
 from emg2vsa.pipeline.stage import Given, Stage
@@ -183,10 +183,10 @@ def test_a_press_that_the_emulated_rig_did_not_make_is_noticed(tmp_path: Path) -
 def test_a_study_does_not_press_with_guards_that_its_store_cannot_know(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert emulation._changed_guards() == ()
+    assert shared_settings._changed_guards() == ()
     monkeypatch.setitem(GUARDS, "our own", lambda moment, limits: None)
     monkeypatch.delitem(GUARDS, "torque")
-    changed = emulation._changed_guards()
+    changed = shared_settings._changed_guards()
     assert changed == ("our own", "torque")
     given = Given("S1_0_high-stiffness", {"changed_guards": changed}, inputs={}, folder=tmp_path)
     with pytest.raises(SettingError, match="found our own, torque changed by this program"):

@@ -346,7 +346,7 @@ def test_a_whole_study_on_a_cluster_with_a_worker_killed_is_that_of_one_process(
         shutil.rmtree(part)
     under_way = study.parent / ".emg2vsa" / "small" / "under-way"
     with worker(address) as first, worker(address):
-        command = [sys.executable, "-m", "emg2vsa.cli", "run", str(study), "--scheduler", address, "--json"]
+        command = [sys.executable, "-m", "emg2vsa.cli", "run", str(study), "--scheduler", address, "--json", "--paths"]
         run = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         assert soon(lambda: bool(list(under_way.glob("emulation*.json"))), 300)
         time.sleep(0.5)

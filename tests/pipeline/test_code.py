@@ -1,4 +1,4 @@
-"""The code behind a result: what is imported, however it is spelt, and nothing that is prose."""
+"""The code behind a result: what is imported, however it is spelt, what a step told of, and nothing that is prose."""
 
 from __future__ import annotations
 
@@ -62,8 +62,8 @@ def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         path = folder / f"{name}.py"
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text("\n".join(line[8:] if line[:8].isspace() else line for line in text.splitlines()))
-    monkeypatch.setattr(code, "_folder", lambda package: str(folder))
-    monkeypatch.setattr(code, "module_file", code.module_file.__wrapped__)
+    (tmp_path / "casr").mkdir()
+    monkeypatch.setattr(code, "folder_of", lambda package: str(tmp_path / package))
     return folder
 
 
@@ -75,6 +75,53 @@ def reached(package: Path) -> Reached:
     return found
 
 
+def test_used_is_what_is_imported_and_what_was_loaded_by_name(package: Path) -> None:
+    found = Code(Fingerprints(package.parent / "memory.json"))
+    used = found.used("emg2vsa.stage")
+    assert set(used.modules.value) == REACHED - {"emg2vsa.readers", "emg2vsa.engine"}
+    assert set(used.libraries.value) == {"python", "numpy"}
+    more = found.used("emg2vsa.stage", ("emg2vsa.readers", "library_by_name", "json.decoder"))
+    assert set(more.modules.value) == REACHED - {"emg2vsa.engine"}
+    assert set(more.libraries.value) == {"python", "numpy", "no-such-library", "library-by-name"}
+
+
+def test_of_a_stage_what_planning_alone_calls_imports_nothing(package: Path) -> None:
+    stages = package / "pipeline" / "stages"
+    stages.mkdir(parents=True)
+    for folder in (stages, stages.parent):
+        (folder / "__init__.py").write_text("")
+    (stages / "toy.py").write_text("""
+def settings(campaign, item):
+    import emg2vsa.other
+    return _both()
+def files(campaign, item):
+    import planned_library
+def run(given):
+    return [_inner(each) for each in given]
+def _inner(each):
+    import emg2vsa.deep
+    return _both()
+def _both():
+    import library_of_both
+def _told(product):
+    import emg2vsa.readers
+STAGE = Stage(run=run, settings=settings, files=partial(files, 1), says=lambda product: _told(product))
+""")
+    found = Code(Fingerprints(package.parent / "memory.json")).used("emg2vsa.pipeline.stages.toy")
+    assert {"emg2vsa.deep", "emg2vsa.readers"} < set(found.modules.value)
+    assert "emg2vsa.other" not in found.modules.value
+    assert set(found.libraries.value) == {"python", "library-of-both", "no-such-library"}
+
+
+def test_a_package_comes_before_a_module_of_its_name(package: Path) -> None:
+    code = Code(Fingerprints(package.parent / "memory.json"))
+    before = code.used("emg2vsa.deep").modules.value
+    (package / "deep").mkdir()
+    (package / "deep" / "__init__.py").write_text("K = 5")
+    after = Code(Fingerprints(package.parent / "memory.json")).used("emg2vsa.deep").modules.value
+    assert before["emg2vsa.deep"] != after["emg2vsa.deep"]
+
+
 def test_everything_imported_or_named_is_reached(package: Path) -> None:
     assert set(reached(package).modules.value) == REACHED
     assert set(reached(package).modules.value) == REACHED  # remembered
@@ -84,9 +131,9 @@ def test_libraries_are_derived_with_their_versions(package: Path) -> None:
     import numpy
 
     found = reached(package).libraries.value
-    assert set(found) == {"python", "numpy", "no_such_library", "library_by_name"}
+    assert set(found) == {"python", "numpy", "no-such-library", "library-by-name"}
     assert found["numpy"] == numpy.__version__
-    assert found["no_such_library"] == "absent"
+    assert found["no-such-library"] == "absent"
 
 
 @pytest.mark.parametrize(
@@ -120,14 +167,16 @@ def test_an_edit_while_a_study_runs_is_noticed_by_stages_looked_up_later(package
     assert first.holds()
     (package / "deep.py").write_text("K = 3")
     assert not first.holds()
-    assert not found.reached("emg2vsa.engine").holds()
+    assert not found.used("emg2vsa.stage").holds()
+    (package / "other.py").write_text("Y = 2")
+    assert not found.used("emg2vsa.other").holds()  # first asked for after its edit
 
 
 def test_the_texts_of_the_report_count_in_its_key(tmp_path: Path) -> None:
     """They stand in the sections, as strings; the library that fills them counts too."""
-    found = Code(Fingerprints(tmp_path / "memory.json")).reached("emg2vsa.pipeline.stages.report")
+    found = Code(Fingerprints(tmp_path / "memory.json")).used("emg2vsa.pipeline.stages.report")
     assert {f"emg2vsa.report.{name}" for name in ("sections.claims", "sections.fits", "methods")} <= set(
         found.modules.value
     )
-    assert "jinja2" in {name.lower() for name in found.libraries.value}
+    assert "jinja2" in found.libraries.value
     assert "emg2vsa" not in found.libraries.value

@@ -74,7 +74,7 @@ def test_an_emulated_run_is_known_by_its_tables_and_not_by_where_they_lie(tmp_pa
     (tmp_path / "rig.toml").write_text(small_rig("high-stiffness = [0]\n") + 'domes = "mine"\n')
     pressed = Campaign(study, load_rig(tmp_path / "rig.toml"))
     item = next(iter(pressed.mountings))
-    of_world = emulation.settings(pressed, item)["emulated"]
+    of_world = emulation.STAGE.settings(pressed, item)["emulated"]
     assert value_of(of_world).domes == str(tmp_path / "mine")
     assert of_world.key.domes is None
-    assert emulation.files(pressed, item) == {"emulated domes": [table]}
+    assert emulation.STAGE.files(pressed, item) == {"emulated domes": [table]}

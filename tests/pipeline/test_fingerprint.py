@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from emg2vsa.pipeline import fingerprint
-from emg2vsa.pipeline.fingerprint import Fingerprints, Values, digest
+from emg2vsa.pipeline.fingerprint import Fingerprints, Part, Values, digest
 from emg2vsa.pipeline.stage import Keyed
 
 
@@ -89,7 +89,7 @@ def test_forgetting_reads_again(memory: Path, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("soon")
 @pytest.mark.parametrize(
     "content",
-    [b"", b'{"half', b"[1]", b"\xff\xfe", b"5", b'{"files": 5}', b'{"sum": "0", "files": {"a": [[], 1]}}', b"[" * 9**5],
+    [b"", b'{"half', b"[1]", b"\xff\xfe", b"5", b'{"seen": 5}', b'{"sum": "0", "seen": {"a": [[], 1]}}', b"[" * 9**5],
 )  # fmt: skip
 def test_a_damaged_memory_is_one_warning_and_made_anew(memory: Path, tmp_path: Path, content: bytes) -> None:
     memory.write_bytes(content)
@@ -115,9 +115,11 @@ def test_one_changed_byte_of_the_memory_is_noticed(memory: Path, tmp_path: Path)
 
 
 @pytest.mark.usefixtures("soon")
-def test_the_memory_of_0_1_0_is_read_anew_without_a_word(memory: Path, tmp_path: Path) -> None:
+@pytest.mark.parametrize("later", [False, True])
+def test_the_memory_of_older_versions_is_read_anew_without_a_word(memory: Path, tmp_path: Path, later: bool) -> None:
     path = written(tmp_path / "a", "1")
-    memory.write_text(json.dumps({str(path): [[1, path.stat().st_mtime_ns], "other"]}))
+    files = {str(path): [[1, path.stat().st_mtime_ns], "other"]}
+    memory.write_text(json.dumps({"sum": "0", "files": files} if later else files))
     assert remembered(memory, path) == digest("1")
 
 
@@ -166,6 +168,19 @@ def test_where_something_lies_is_no_part_of_a_key() -> None:
     parts = [values.part({"filters": Filters(20.0, Path(where)), "at": Path(where)}) for where in ("/a", "/b")]
     assert parts[0].digest == parts[1].digest
     assert values.part({"filters": Filters(21.0, Path("/a")), "at": None}).digest != parts[0].digest
+
+
+@dataclass(frozen=True)
+class Holding:
+    inner: tuple[Any, ...]
+
+
+def test_settings_tell_the_modules_of_their_types() -> None:
+    """But not of what a setting holds beside its key."""
+    part, values = Part("", {}), Values()
+    assert values.types({"a": Holding(({"b": part},)), "c": Keyed(1, 1)}) == ("emg2vsa.pipeline.fingerprint",)
+    assert values.types({"a": Keyed(part, None)}) == ("emg2vsa.pipeline.fingerprint",)
+    assert values.types({"a": Keyed(Holding((part,)), None)}) == values.types({"a": Keyed(None, None)}) == ()
 
 
 def test_a_shared_object_is_converted_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from casr.plugins import plugins
+from casr.plugins import found_plugins
 from emg2vsa.devices import registry
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -68,7 +68,7 @@ def install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Install
 
 def forget() -> None:
     """As a program that starts anew."""
-    plugins.cache_clear()
+    found_plugins.cache_clear()
     registry._of_plugin.cache_clear()
     for name in [name for name in sys.modules if name.startswith("lab_")]:
         del sys.modules[name]

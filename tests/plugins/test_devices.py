@@ -19,7 +19,7 @@ import pytest
 
 from benchmarks.small_study import small_study
 from casr.errors import PluginError
-from casr.plugins import plugins
+from casr.plugins import found_plugins
 from emg2vsa.cli import main
 from emg2vsa.devices import registry
 from emg2vsa.devices.clock import WallClock
@@ -470,7 +470,7 @@ def test_two_packages_with_one_kind_are_one_error_that_names_both(install: Insta
     other.mkdir()
     (other / "METADATA").write_text("Metadata-Version: 2.1\nName: lab-more\nVersion: 2.0\n")
     (other / "entry_points.txt").write_text("[emg2vsa.devices]\nown = lab_more:OWN\n")
-    plugins.cache_clear()
+    found_plugins.cache_clear()
     path = tmp_path / "rig.toml"
     path.write_text(force_table('kind = "own"'))
     with pytest.raises(StudyError) as caught:

@@ -154,12 +154,13 @@ def test_packages_without_readers_change_no_key(install: Install, tmp_path: Path
     path.write_text(STUDY)
     (tmp_path / "P01_S1.lab").write_text(text)
 
-    def key() -> str:
-        return survey(load_study(path), ("trials",), pytest.fail).steps["trials/P01/S1"].key
+    def status() -> str:
+        return survey(load_study(path), ("trials",), pytest.fail).steps["trials/P01/S1"].status
 
     install(entries={})
-    without = key()
+    main(["run", str(path), "--only", "trials", "--jobs", "1", "-q"])
+    assert status() == "failed"
     install(entries={"emg2vsa.statistics": {"alexander-govern": "lab_tools:alexander_govern"}})
-    assert key() == without
+    assert status() == "failed"
     install()
-    assert key() != without
+    assert status() == "stale"

@@ -24,7 +24,7 @@ from emg2vsa.report.sections.kappa import holds, span
 from emg2vsa.report.sections.profiles import SCHEDULES
 from emg2vsa.report.sections.rig_runs import RUNS
 from emg2vsa.report.study_report import contents, numbers_and_tables, write_figure_pdfs, write_study_report
-from emg2vsa.run_scores.measured import NO_DOMES
+from emg2vsa.run_scores.domes import NO_DOMES
 from emg2vsa.run_scores.press import Press
 from emg2vsa.run_scores.product import WeighedPress
 from emg2vsa.run_scores.score_run import score_run

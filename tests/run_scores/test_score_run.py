@@ -24,7 +24,7 @@ from casr.scoring import score
 from casr.specimens import SPECIMENS
 from casr.spread import fit_power_laws
 from emg2vsa.run_scores import ALGORITHMS, PICTURED_N, RunScores
-from emg2vsa.run_scores.measured import NO_DOMES, Domes, notes_on_height
+from emg2vsa.run_scores.domes import NO_DOMES, Domes, notes_on_height
 from emg2vsa.run_scores.press import Press
 from emg2vsa.run_scores.score_run import score_run
 from emg2vsa.settings import RunSettings

@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from importlib import import_module
 from typing import Any, NamedTuple
 
+from casr.by_name import module_named
 from emg2vsa.devices.board import ids_asked
 from emg2vsa.devices.clock import Clock
 from emg2vsa.devices.dynamixel import ATTEMPTS
@@ -161,7 +161,7 @@ def answers(line: ByteLine, clock: Clock, ids: Sequence[int], reply_s: float) ->
 def load_sdk() -> Any:
     """The package dynamixel_sdk. DeviceError when it is not installed."""
     try:
-        return import_module("dynamixel_sdk")
+        return module_named("dynamixel_sdk")
     except ImportError as error:
         where, wanted = '[actuator] kind = "dynamixel"', "the extra for Dynamixel motors"
         do = f"Install it: {install_extra('dynamixel')}."

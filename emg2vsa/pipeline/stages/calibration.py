@@ -42,7 +42,7 @@ def run(given: Given) -> CalibrationResults:
 
     import emg2vsa
     from emg2vsa.calibration.runs_calibration import calibrate_runs, online_calibrations
-    from emg2vsa.run_scores.measured import Domes
+    from emg2vsa.run_scores.domes import Domes
 
     used, scores = given.settings, given.all("runs")
     specimens, new, settings, errors = (

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from emg2vsa.pipeline.stage import Given, Input, Keyed, Stage
+from emg2vsa.pipeline.shared_settings import emulated_domes, emulation_settings
+from emg2vsa.pipeline.stage import Given, Input, Stage
 from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
@@ -26,56 +25,6 @@ STARTED = "2026-01-05T09:00:00+00:00"
 def takes(campaign: Campaign, item: str) -> list[Input]:
     """The rigid motor follows no schedule."""
     return [] if campaign.mountings[item].condition == RIGID else [("schedules", "study")]
-
-
-def settings(campaign: Campaign, item: str) -> dict[str, Any]:
-    """Of the other runs no more than the place of this one among them: neither names nor stiffness of specimens."""
-    assert campaign.rig is not None
-    assert campaign.rig.emulated is not None
-    run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
-    schedule_of = {one: other for one, other in rig.experiment.schedule_of.items() if one == run.specimen}
-    changed = _changed_guards()
-    return (
-        {
-            "run": run,
-            "order": 1 + list(campaign.mountings).index(item),
-            "experiment": replace(
-                rig.experiment,
-                specimens=(run.specimen,),
-                angles_deg={},
-                mountings=1,
-                schedule_of=schedule_of,
-                order="listed",
-                seed=0,
-            ),
-            "rig": rig.rig,
-            "emulated": _keyed(emulated.of(run.specimen)),
-        }
-        | ({"changed_guards": changed} if changed else {})
-        | _other_actuator(rig.devices.actuator)
-    )
-
-
-def _keyed(emulated: EmulatedSettings) -> EmulatedSettings | Keyed:
-    """Where tables lie is no part of the key: they are files."""
-    return Keyed(emulated, replace(emulated, domes=None)) if emulated.domes else emulated
-
-
-def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
-    """Tables of the emulated dome."""
-    domes = campaign.rig and campaign.rig.emulated and campaign.rig.emulated.domes
-    return {"emulated domes": sorted(Path(domes).glob("*.npz"))} if domes else {}
-
-
-def _other_actuator(settings: ActuatorSettings) -> dict[str, Any]:
-    """Of the emulated qbmove [emulated] says all; addresses say nothing of any."""
-    return {} if settings.kind == "qbmove" else {"actuator": replace(settings, port=None, serial_number=None)}
-
-
-def _changed_guards() -> tuple[str, ...]:
-    """Of this program. Who has not loaded the guards has changed none."""
-    guards = sys.modules.get("emg2vsa.rig.executor.guards")
-    return guards.changed_guards() if guards else ()
 
 
 def folder(campaign: Campaign, item: str) -> Path:
@@ -154,5 +103,5 @@ def _record(
 
 STAGE = Stage(
     per="mounting", of="emulated rig", needs=("schedules",), run=run, loads=("emg2vsa.worlds.bench.virtual_run",),
-    settings=settings, files=files, takes=takes, folder=folder, alone_in=alone_in,
+    settings=emulation_settings, files=emulated_domes, takes=takes, folder=folder, alone_in=alone_in,
 )  # fmt: skip

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.pipeline.stage import Given, Keyed, Stage
-from emg2vsa.pipeline.stages import profiles
+from emg2vsa.pipeline.shared_settings import profile_settings
+from emg2vsa.pipeline.stage import Given, Stage
 
 if TYPE_CHECKING:
     from emg2vsa.exemplary import Choice
@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     profile = campaign.study.profile
-    counts = profile.participant, profile.specimens, profile.grid_points
-    return profiles.settings(campaign, item) | {"profile": Keyed(profile, counts)}
+    return profile_settings(campaign, (profile.participant, profile.specimens, profile.grid_points))
 
 
 def run(given: Given) -> Choice | None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.pipeline.stage import Given, Keyed, Stage
+from emg2vsa.pipeline.shared_settings import profile_settings
+from emg2vsa.pipeline.stage import Given, Stage
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -16,13 +17,7 @@ if TYPE_CHECKING:
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
-    study = campaign.study
-    return {
-        "profile": study.profile,
-        "specimens": study.stiffness_n_per_mm,
-        "hypotheses.use": study.hypotheses.use,
-        "window.force_n": Keyed(study.window, study.window.force_n),
-    }
+    return profile_settings(campaign, campaign.study.profile)
 
 
 def run(given: Given) -> Profiles:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from emg2vsa.pipeline.shared_settings import emulation_settings
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
 
 if TYPE_CHECKING:
@@ -31,8 +32,6 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
         inside = [_folders_in(folder) for folder in entry.folders]
         more = {"folders": Keyed(entry.folders, inside), "camera": Keyed(source.camera, None), "order": entry.order}
         return used | more
-    from emg2vsa.pipeline.stages.emulation import settings as emulation_settings
-
     world = emulation_settings(campaign, item)
     return used | {
         "folders": Keyed(entry.folders, len(entry.folders)),
@@ -77,7 +76,7 @@ def run(given: Given) -> RunScores:
     from emg2vsa.rig.record.new_folder import over_bytes
     from emg2vsa.run_folders.presses import is_simulated, read_presses, run_notes, run_setup
     from emg2vsa.run_folders.weighed import weighed_presses
-    from emg2vsa.run_scores.measured import NO_DOMES, Domes, notes_on_height
+    from emg2vsa.run_scores.domes import NO_DOMES, Domes, notes_on_height
     from emg2vsa.run_scores.score_run import score_run
 
     used = given.settings

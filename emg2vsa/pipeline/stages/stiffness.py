@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from emg2vsa.pipeline.shared_settings import emulated_domes
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
-from emg2vsa.pipeline.stages.emulation import files
 from emg2vsa.settings import RIGID
 
 if TYPE_CHECKING:
@@ -104,6 +104,6 @@ def says(effect: StiffnessEffect | None) -> str:
 
 
 STAGE = Stage(
-    per="study", of="emulated rig", needs=("schedules",), run=run, settings=settings, files=files, says=says,
+    per="study", of="emulated rig", needs=("schedules",), run=run, settings=settings, files=emulated_domes, says=says,
     gives="What stiffness can do is",
 )  # fmt: skip

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from importlib import import_module
 from itertools import product
 
 import numpy as np
 
+from casr.by_name import module_named
 from casr.flow.dense_engine import dis_flow
 from emg2vsa.arrays import Floats, Ints
 from emg2vsa.curves.line import fit_line
@@ -125,7 +125,7 @@ def _drawings(results: StudyResults) -> Iterator[Drawing]:
     first, later = seen.frames[1:]
     if scoring.recipe.engine == "horn-schunck":
         # loaded when used: it compiles its kernels with numba
-        flow_px, named = import_module("casr.flow.horn_schunck").horn_schunck(first, later), "Horn–Schunck"
+        flow_px, named = module_named("casr.flow.horn_schunck").horn_schunck(first, later), "Horn–Schunck"
     else:
         flow_px, named = dis_flow(first.astype(np.float32), later.astype(np.float32)), "DIS"
     first_n, next_n = seen.force_n.tolist()

@@ -28,6 +28,7 @@ from emg2vsa.calibration_file import sha256_of
 from emg2vsa.devices.device_settings import RATE_HZ
 from emg2vsa.devices.protocols import Frame
 from emg2vsa.errors import DeviceError
+from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE as KAPPA_FILE
 from emg2vsa.rig.kappa.live_kappa import KAPPA_HEADER, KappaPlan, KappaRow, LiveKappa, Rows, line_of
 from emg2vsa.rig.record.new_folder import KAPPA_ABOUT_FILE
 

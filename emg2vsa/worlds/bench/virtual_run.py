@@ -7,9 +7,10 @@ from collections.abc import Mapping
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from casr.atomic import write_text_atomic
+from casr.by_name import module_named
 from casr.frame_files import write_camera
 from casr.frame_files.folder import CAMERA_FILE
 from emg2vsa.devices.clock import VirtualClock
@@ -18,8 +19,6 @@ from emg2vsa.rig.executor.execute import execute
 from emg2vsa.rig.executor.guards import GUARDS, Check
 from emg2vsa.rig.executor.plan_limits import check_plan
 from emg2vsa.rig.experiment import run_name
-from emg2vsa.rig.kappa.judges import SameProcess, write_about
-from emg2vsa.rig.kappa.live_kappa import KAPPA_FILE, KappaPlan
 from emg2vsa.rig.plan import RIGID, RunPlan
 from emg2vsa.rig.record.ended import Ended
 from emg2vsa.rig.record.new_folder import EMULATED_FILE
@@ -28,6 +27,9 @@ from emg2vsa.worlds.bench.bench import EmulatedRig
 from emg2vsa.worlds.bench.controls import ArtificialEffect
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 from emg2vsa.worlds.bench.truth import TRUTH_FILE, truth_text
+
+if TYPE_CHECKING:
+    from emg2vsa.rig.kappa.live_kappa import KappaPlan
 
 
 def run_virtual(
@@ -81,14 +83,15 @@ def run_virtual(
         devices = replace(devices, camera=None)
     else:
         write_camera(folder / CAMERA_FILE, bench.camera.scene.settings.camera)
-    judge = None if kappa is None else SameProcess(kappa, folder / KAPPA_FILE)
+    judging = None if kappa is None else module_named("emg2vsa.rig.kappa.judges")  # most runs are judged by nobody
+    judge = judging and judging.SameProcess(kappa, folder / judging.KAPPA_FILE)
     try:
         ended = execute(plan, rig, devices, folder, clock, started=started, judge=judge, guards=guards)
     finally:
         if judge is not None:
             judge.close()
-    if kappa is not None and judge is not None:
-        write_about(folder, kappa, judge.tally)
+    if judging is not None and judge is not None:
+        judging.write_about(folder, kappa, judge.tally)
     if not plan.plate:
         write_text_atomic(folder / TRUTH_FILE, truth_text(bench.loadings()))
     return ended

@@ -1,6 +1,8 @@
 """Run steps of a finished study again, and tell which modules ran, what they imported, and the bytes that came out.
 
-``python trace_step.py STUDY OUT STAGE/ITEM ...`` writes executed.txt, imported.txt and product.result to OUT/STAGE.
+``python trace_step.py STUDY OUT STAGE/ITEM ...`` writes to OUT/STAGE: executed.txt, our modules of which
+anything ran, be it only their import; called.txt, those of which a function ran; imported.txt, foreign packages;
+loaded.txt, what was told of as loaded by name; and product.result.
 Each step has a process of its own, forked from one that holds foreign packages, to import them once, but no module of
 ours that a step runs. Its child processes do the same recording through ``traced_children/sitecustomize.py``.
 """
@@ -10,6 +12,7 @@ from __future__ import annotations
 import builtins
 import importlib
 import importlib.util
+import inspect
 import os
 import sys
 import threading
@@ -27,8 +30,8 @@ FOREIGN = ("scipy.signal", "scipy.stats", "pandas", "cv2", "tifffile", "jinja2",
 def record(out: Path) -> Callable[[], None]:
     """Begin to write down executed modules and imports of foreign packages; call the result to stop."""
     roots = {package: str(Path(_origin(package)).parent) for package in PACKAGES}
-    seen: dict[str, str] = {}
-    executed, imported = (out / "executed.txt").open("a"), (out / "imported.txt").open("a")
+    ran: set[tuple[str, bool]] = set()
+    executed, called, imported = ((out / f"{name}.txt").open("a") for name in ("executed", "called", "imported"))
     known: set[str] = set()
 
     def module_of(file: str) -> str:
@@ -39,12 +42,13 @@ def record(out: Path) -> Callable[[], None]:
         return ""
 
     def on_call(frame: FrameType, event: str, argument: object) -> None:
-        file = frame.f_code.co_filename
-        if file not in seen:
-            seen[file] = name = module_of(file)
-            if name:
-                executed.write(name + "\n")
-                executed.flush()
+        file, function = frame.f_code.co_filename, bool(frame.f_code.co_flags & inspect.CO_OPTIMIZED)
+        if (file, function) not in ran:
+            ran.add((file, function))
+            if name := module_of(file):
+                for where in (executed, called) if function else (executed,):
+                    where.write(name + "\n")
+                    where.flush()
 
     def told(importer: str, name: str) -> None:
         first = name.partition(".")[0]
@@ -89,7 +93,8 @@ def main() -> int:
     from emg2vsa.study_file import load_study
 
     plan = survey(load_study(study), ORDER, print)
-    os.environ["PYTHONPATH"] = os.pathsep.join([str(Path(__file__).parent / "traced_children"), *sys.path])
+    sys.path.insert(0, str(Path(__file__).parent / "traced_children"))  # which decoders of files search too
+    os.environ["PYTHONPATH"] = os.pathsep.join(sys.path)
     for name in FOREIGN:
         importlib.import_module(name)
     for name in steps:
@@ -112,6 +117,7 @@ def main() -> int:
 
 
 def run(plan: Any, step: Any, out: Path) -> None:
+    from casr.by_name import noting
     from emg2vsa import artifacts
     from emg2vsa.pipeline.stage_order import stage
     from emg2vsa.pipeline.store import written_files
@@ -125,11 +131,13 @@ def run(plan: Any, step: Any, out: Path) -> None:
     run = stage(step.stage).run
     stop = record(out)
     try:
-        product = run(given)
+        with noting() as told:
+            product = run(given)
         if given.folder is None:
             artifacts.save(out / "product.result", product)
     finally:
         stop()
+    (out / "loaded.txt").write_text("\n".join(sorted(told)))
     if given.folder is not None:
         artifacts.save(out / "product.result", written_files(given.folder, product))
 

@@ -1,0 +1,78 @@
+"""Settings and files that several stages declare, apart from the stages: a stage whose file imports another's would
+hang on all that the other one runs."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from emg2vsa.pipeline.stage import Keyed
+
+if TYPE_CHECKING:
+    from emg2vsa.devices.device_settings import ActuatorSettings
+    from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.worlds.bench.settings import EmulatedSettings
+
+
+def profile_settings(campaign: Campaign, counts: Any) -> dict[str, Any]:
+    """Of the stages that compare trends. counts : what of [profile] is part of the key."""
+    study = campaign.study
+    return {
+        "profile": Keyed(study.profile, counts),
+        "specimens": study.stiffness_n_per_mm,
+        "hypotheses.use": study.hypotheses.use,
+        "window.force_n": Keyed(study.window, study.window.force_n),
+    }
+
+
+def emulation_settings(campaign: Campaign, item: str) -> dict[str, Any]:
+    """Of the other runs no more than the place of this one among them: neither names nor stiffness of specimens."""
+    assert campaign.rig is not None
+    assert campaign.rig.emulated is not None
+    run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
+    schedule_of = {one: other for one, other in rig.experiment.schedule_of.items() if one == run.specimen}
+    changed = _changed_guards()
+    return (
+        {
+            "run": run,
+            "order": 1 + list(campaign.mountings).index(item),
+            "experiment": replace(
+                rig.experiment,
+                specimens=(run.specimen,),
+                angles_deg={},
+                mountings=1,
+                schedule_of=schedule_of,
+                order="listed",
+                seed=0,
+            ),
+            "rig": rig.rig,
+            "emulated": _keyed(emulated.of(run.specimen)),
+        }
+        | ({"changed_guards": changed} if changed else {})
+        | _other_actuator(rig.devices.actuator)
+    )
+
+
+def _keyed(emulated: EmulatedSettings) -> EmulatedSettings | Keyed:
+    """Where tables lie is no part of the key: they are files."""
+    return Keyed(emulated, replace(emulated, domes=None)) if emulated.domes else emulated
+
+
+def emulated_domes(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
+    """Tables of the emulated dome."""
+    domes = campaign.rig and campaign.rig.emulated and campaign.rig.emulated.domes
+    return {"emulated domes": sorted(Path(domes).glob("*.npz"))} if domes else {}
+
+
+def _other_actuator(settings: ActuatorSettings) -> dict[str, Any]:
+    """Of the emulated qbmove [emulated] says all; addresses say nothing of any."""
+    return {} if settings.kind == "qbmove" else {"actuator": replace(settings, port=None, serial_number=None)}
+
+
+def _changed_guards() -> tuple[str, ...]:
+    """Of this program. Who has not loaded the guards has changed none."""
+    guards = sys.modules.get("emg2vsa.rig.executor.guards")
+    return guards.changed_guards() if guards else ()
