@@ -11,7 +11,8 @@ PINS = Area(
     peers={"cv2": "opencv-contrib-python-headless"},
     meaning=(
         "All ways give one affine motion of the same pins, and use the same fit. Ours finds every pin anew by its "
-        "light and so keeps its identity through large motions; Lucas and Kanade follow patches. Errors are the "
+        "light and so keeps its identity through large motions; Lucas and Kanade follow patches: on pins whose "
+        "places are known they are faster, as exact from a pixel of motion on, and less exact below. Errors are the "
         "rms and the bias of the divergence over seeds, each in a case of its own."
     ),
 )
@@ -23,7 +24,7 @@ FLOW = Area(
     meaning=(
         "The divergence of the contact is what a score takes from a flow. Fast presets smooth over the edge of a "
         "contact and lose divergence: a bias that no average over frames removes, so that bias and rms stand "
-        "apart."
+        "apart. DIS tuned for such frames is faster than Horn-Schunck, and as exact up to a pixel of motion."
     ),
 )
 GROWTH = Area(

@@ -20,7 +20,7 @@ LEVEL_FLOOR = 0.1
 NARROW = 1e-3
 """A fit whose forces differ by a smaller share of themselves says how many digits are left."""
 
-_POINTS_AT_ONCE = 16_000  # temporaries below 128 kB: the C library maps and clears larger ones anew each time
+_POINTS_AT_ONCE = 8_000  # both tables of a block together below 128 kB: the C library clears larger ones anew
 _CLOSE = (
     0.1  # residual squares below this share of those of v are summed from residuals: a difference would lose digits
 )
