@@ -194,7 +194,7 @@ class Tries:
         return done.stdout
 
 
-_DOWNLOAD = re.compile(r"(?i)failed to fetch|connection|timed out|could not connect|dns error|network|request failed")
+_DOWNLOAD = re.compile(r"(?i)failed to (fetch|download)|error sending request|connection|timed out|could not connect|dns error|network|request failed")
 
 
 def _bin(place: Path) -> Path:

@@ -7,7 +7,7 @@ import re
 import sys
 import time
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from casr.command_line import JSON, Commands, add_command, add_options, answer, wanted
@@ -168,12 +168,13 @@ def status(arguments: argparse.Namespace) -> int:
         s.id: {"status": s.status, "reasons": list(s.reasons), "message": s.message} for s in steps
     }
     told |= {"registration": registered.as_json()} if (registered := plan.campaign.registered) else {}
-    told |= {"made with other kernels of BLAS": kernels} if (kernels := plan.other_kernels()) else {}
-    answer(arguments.json, told, _lines(plan, arguments.explain))
+    kernels = plan.other_kernels()
+    told |= {"made with other kernels of BLAS": kernels} if kernels else {}
+    answer(arguments.json, told, _lines(plan, arguments.explain, kernels))
     return 0
 
 
-def _lines(plan: StepPlan, explain: bool) -> Iterator[str]:
+def _lines(plan: StepPlan, explain: bool, kernels: Mapping[str, int]) -> Iterator[str]:
     from casr.blas_kernel import blas_kernel
     from emg2vsa.cli.progress import shortened
     from emg2vsa.pipeline.lock import holder
@@ -187,7 +188,7 @@ def _lines(plan: StepPlan, explain: bool) -> Iterator[str]:
         yield f"A run is under way: {held}."
     if registered := plan.campaign.registered:
         yield from registered.lines()
-    for kernel, count in plan.other_kernels().items():
+    for kernel, count in kernels.items():
         yield (
             f"Fresh, but made with the BLAS kernel {kernel}: {count}. This computer has {blas_kernel()}: "
             "if made here, they may differ in the last digits."
