@@ -7,12 +7,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from importlib import import_module
 from typing import Literal
 
 import numpy as np
 from scipy import signal
 
+from casr.by_name import module_named
 from emg2vsa.arrays import Floats, Ints, exponent_of
 from emg2vsa.errors import SettingError
 from emg2vsa.settings import FilterSettings
@@ -117,7 +117,7 @@ def _compiled(
 ) -> Floats:
     """``envelopes_at`` by the compiled engine, but for windows that the ends of the record reach into."""
     # loaded when chosen: numba is an extra
-    envelopes_inside = import_module("emg2vsa.signals.compiled").envelopes_inside
+    envelopes_inside = module_named("emg2vsa.signals.compiled").envelopes_inside
     starts, stops = first - kernel.before - iir.support_samples, first + step * (counts - 1) + kernel.after
     ends, size = stops + (iir.support_samples if iir.zero_phase else 0), channels[0].size
     if starts.min() >= 0 and ends.max() < size and step * counts.max() < LONG:
