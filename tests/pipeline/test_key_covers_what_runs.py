@@ -40,8 +40,8 @@ STEPS = {
 
 
 MEASURED = {"runs": "S1_0_modular", "report": "study"}
-LOCAL = {"casr.child_process"}
-"""Starts what its caller names, which is the caller or told by it."""
+LOCAL = {"casr.child_process", "casr.blas_kernel"}
+"""Starts what its caller names, which is the caller or told by it; looks where NumPy lies."""
 
 
 @dataclass(frozen=True)
