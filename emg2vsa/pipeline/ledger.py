@@ -205,7 +205,7 @@ def _of_part(part: Part) -> dict[str, Any]:
 def _of_entry(entry: Entry) -> dict[str, Any]:
     parts = {name: getattr(entry.parts, name).digest for name in _SHARED}
     parts |= {"files": dict(entry.parts.files), "inputs": dict(entry.parts.inputs)}
-    told = {"step": entry.step, "key": entry.key, "status": entry.status, "message": entry.message}
+    told: dict[str, Any] = {"step": entry.step, "key": entry.key, "status": entry.status, "message": entry.message}
     told |= {"final": entry.final, "result": entry.result, "parts": parts}
     return told | {"kernel": entry.kernel, "loaded": entry.loaded}
 
