@@ -68,7 +68,7 @@ def replicated(one: Path, folder: Path, count: int) -> Path:
             there.parent.mkdir(parents=True, exist_ok=True)
             os.symlink(path, there)
     loaded = load_study(study)
-    stored = {step.id: step.at for step in open_step_plan(load_study(one), ("trials",), print).add_stage("trials")}
+    stored = {step.id: step for step in open_step_plan(load_study(one), ("trials",), print).add_stage("trials")}
     rng = np.random.default_rng(1)
     factors = 1 + BETWEEN_PEOPLE * rng.standard_normal(count)
     with study_lock(loaded.results, wait=False, say=print):
@@ -76,12 +76,14 @@ def replicated(one: Path, folder: Path, count: int) -> Path:
         for step in plan.add_stage("trials"):
             name, _, specimen = step.item.partition("/")
             number = int(name[1:]) - 1
-            trials = artifacts.load(stored[f"trials/{_own(number)}/{specimen}"])
+            made = stored[f"trials/{_own(number)}/{specimen}"]
+            assert made.at is not None
+            trials = artifacts.load(made.at)
             product = _other_person(
                 trials, name, float(factors[number]), rng.permutation(trials.traits.fingerprints.shape[2])
             )
             artifacts.save(plan.store.unfinished(step.id, step.key), product)
-            plan.end(step, "done", "", final=False)
+            plan.end(step, "done", "", final=False, loaded=made.loaded)
         plan.prints.save()
     return study
 
