@@ -25,6 +25,7 @@ _LAST_STEP = 1e-10  # Newton squares it: what is left is below rounding
 _LEFT = 1e-14  # of q after a step, by how steps have shrunk; the step of the last curve takes it away
 _FEW, _SHORT, _WIDE = 5, 0.5, 0.1  # of plain rows: steps of q, in standard deviations of x, and how wide a curve stays
 _CUBED_AWAY = 3e-6
+_MANY = 100
 _LEAST_CONVEX = 1e-3
 _SPIKE = 1e-12  # of the curve's square, what points other than the heaviest carry
 _EPS = float(np.finfo(np.float64).eps)
@@ -59,7 +60,9 @@ def fit_exponential(x: ArrayLike, y: ArrayLike) -> ExponentialFit:
 
 
 def _of_block(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
-    return _of_plain_rows(x, y) or _least_squares(weighted_rows(x, y, None, _WHERE))
+    # the last digit of plain rows hangs on the rows beside them: those of few curves, which are told, do not
+    plain = _of_plain_rows(x, y) if max(len(np.atleast_2d(x)), len(y)) >= _MANY else None
+    return plain or _least_squares(weighted_rows(x, y, None, _WHERE))
 
 
 def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple, Protocol
@@ -28,32 +29,38 @@ class SensorStatus:
     warnings: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
+_NO_FAULT = SensorStatus()
+
+
+@dataclass(frozen=True, eq=False, init=False)
 class ForceSample:
     """One reading.
 
     time_s : when it arrived, on the rig's clock.
-    loads : force and torque along x, y, z of the sensor, N and N·m; six plain numbers, as a turn of the loop looks at
-        them many times.
+    force_n, torque_nm : (3,) along x, y, z of the sensor, N and N·m.
     status : of this reading.
     sequence : the sensor's own number of it: another reading has another number. None where it counts none.
+    loads : the six of force and torque as plain numbers, as a turn of the loop looks at them many times.
     size_n, torque_size_nm : lengths of force and torque.
     """
 
     time_s: float
     loads: tuple[float, ...]
-    status: SensorStatus = SensorStatus()
-    sequence: int | None = None
-    size_n: float = field(init=False, repr=False)
-    torque_size_nm: float = field(init=False, repr=False)
+    status: SensorStatus
+    sequence: int | None
+    size_n: float = field(repr=False)
+    torque_size_nm: float = field(repr=False)
 
-    def __post_init__(self) -> None:
-        fx, fy, fz, tx, ty, tz = self.loads
-        own = self.__dict__  # a frozen dataclass
-        own["size_n"], own["torque_size_nm"] = (
-            math.sqrt(fx * fx + fy * fy + fz * fz),
-            math.sqrt(tx * tx + ty * ty + tz * tz),
-        )
+    def __init__(
+        self, time_s: float, force_n: Iterable[float], torque_nm: Iterable[float], status: SensorStatus = _NO_FAULT,
+        sequence: int | None = None,
+    ) -> None:  # fmt: skip
+        fx, fy, fz = map(float, force_n)
+        tx, ty, tz = map(float, torque_nm)
+        self.__dict__.update(  # a frozen dataclass
+            time_s=time_s, loads=(fx, fy, fz, tx, ty, tz), status=status, sequence=sequence,
+            size_n=math.sqrt(fx * fx + fy * fy + fz * fz), torque_size_nm=math.sqrt(tx * tx + ty * ty + tz * tz),
+        )  # fmt: skip
 
     @cached_property
     def force_n(self) -> NDArray[np.float64]:

@@ -18,8 +18,8 @@ from emg2vsa.study_file import load_study
 DAMAGED, MISSING = ("its result was damaged",), ("its result is missing",)
 
 
-def run(study: Path) -> int:
-    return main(["run", str(study), "--jobs", "1", "--json"])
+def run(study: Path, *more: str) -> int:
+    return main(["run", str(study), "--jobs", "1", "--json", *more])
 
 
 def look(study: Path) -> dict[str, Step]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -116,11 +117,8 @@ def test_version_73_without_its_package(tmp_path: Path, monkeypatch: pytest.Monk
     path = tmp_path / "v73.mat"
     path.write_bytes(b"MATLAB 7.3 MAT-file, Platform: test".ljust(600))
 
-    def absent(name: str) -> object:
-        raise ImportError(name)
-
+    monkeypatch.setitem(sys.modules, "pymatreader", None)
     matlab = importlib.import_module("emg2vsa.readers.matlab")
-    monkeypatch.setattr(matlab.importlib, "import_module", absent)
     with pytest.raises(RecordingError, match="needs the package pymatreader"):
         matlab.open_recording(path)
 

@@ -11,13 +11,14 @@ from typing import Any
 import pytest
 
 from benchmarks.planted_deviations import JUDGED, PLANTS, Plant, RegisteredStudy, as_planted, harmless
+from emg2vsa import fits
 from emg2vsa.claims import arithmetic
 from emg2vsa.claims.claim import OF_A_STUDY, judge
 from emg2vsa.cli import main
 from emg2vsa.pipeline import code
 from emg2vsa.pipeline import registered as of_pipeline
 from emg2vsa.pipeline.code import Code
-from emg2vsa.pipeline.fingerprint import Fingerprints
+from emg2vsa.pipeline.fingerprint import Fingerprints, state_of
 from emg2vsa.registration.deviations import CODE, TOUCHES, _hang_on
 from emg2vsa.registration.plan import LEFT_OUT, _claims
 from emg2vsa.session.open_session import folder_of, kept_settings
@@ -74,9 +75,16 @@ def test_an_edited_module_changes_the_digest_of_what_imports_it(
         return now
 
     before = parts()
-    real, edited = code.module_file, tmp_path / "fits.py"
-    edited.write_text(Path(str(real("emg2vsa.fits"))).read_text() + "\nCERTAIN = 0.06\n")
-    monkeypatch.setattr(code, "module_file", lambda name: str(edited) if name == "emg2vsa.fits" else real(name))
+    real, edited = code._files_of, tmp_path / "fits.py"
+    edited.write_text(Path(fits.__file__).read_text() + "\nCERTAIN = 0.06\n")
+
+    def files_of(package: str) -> list[Any]:
+        found = dict(real(package))
+        if "emg2vsa.fits" in found:
+            found["emg2vsa.fits"] = (str(edited), state_of(edited))
+        return list(found.items())
+
+    monkeypatch.setattr(code, "_files_of", files_of)
     changed = {name for name, value in parts().items() if value != before[name]}
     assert {"fits", "tests", "claims"} <= changed
     assert "presses" not in changed

@@ -111,7 +111,7 @@ class DaqFt:
 
     def _sample(self, volts: NDArray[np.float64], time_s: float, sequence: int) -> ForceSample:
         wrench = self.calibration.wrench_per_volt @ (volts - self._bias_v)
-        return ForceSample(time_s, tuple(wrench.tolist()), self._status(volts), sequence)
+        return ForceSample(time_s, wrench[:3].tolist(), wrench[3:].tolist(), self._status(volts), sequence)
 
     def _status(self, volts: NDArray[np.float64]) -> SensorStatus:
         low_v, high_v = self.calibration.range_v

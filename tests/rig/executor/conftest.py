@@ -172,7 +172,7 @@ class Bench:
         if self.on("saturated"):
             faults = ("gauge saturated",)
         self.forces_n.append(force_n)
-        return ForceSample(self._fresh_s, (0.0, 0.0, force_n, 0.0, 0.0, 0.0), SensorStatus(faults=faults))
+        return ForceSample(self._fresh_s, (0.0, 0.0, force_n), (0.0, 0.0, 0.0), SensorStatus(faults=faults))
 
     def read_all(self) -> list[ForceSample]:
         return []

@@ -18,7 +18,7 @@ LIMITS = GuardSettings(force_rate_n_per_s=200, stale_s=0.02)
 
 
 def felt(*force_n: float, time_s: float = 4.999, torque_nm: float = 0.0, faults: tuple[str, ...] = ()) -> ForceSample:
-    return ForceSample(time_s, (*force_n, torque_nm, 0.0, 0.0), SensorStatus(faults=faults))
+    return ForceSample(time_s, force_n, (torque_nm, 0.0, 0.0), SensorStatus(faults=faults))
 
 
 def pushed(force_n: float, before_n: float | None = None, time_s: float = 4.994) -> dict[str, Any]:

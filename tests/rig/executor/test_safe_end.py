@@ -70,7 +70,7 @@ class Probe:
         return self.offset_n + abs(self.n_per_mm) * max(0.0, np.sign(self.n_per_mm) * (self.depth_mm - self.surface_mm))
 
     def log(self, position_deg: float, preset: float, notes: list[str]) -> ForceSample:
-        return ForceSample(self.clock.now_s(), (0.0, 0.0, self.force_n(), 0.0, 0.0, 0.0))
+        return ForceSample(self.clock.now_s(), (0.0, 0.0, self.force_n()), (0.0, 0.0, 0.0))
 
     def leave(self, depth_mm: float = 4.0, home_is_free: bool = True) -> SafeEnd:
         self.depth_mm = depth_mm
