@@ -7,7 +7,7 @@ sensor and with one whose readings come in steps of 1/16 N and never dither.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import partial
 from itertools import product
@@ -58,7 +58,8 @@ class Coarse:
         """The newest sample, rounded."""
         sample = self._sensor.read()
         steps = np.repeat([self._step_n, TORQUE_STEP_NM], 3)
-        return replace(sample, loads=tuple((np.round(np.array(sample.loads) / steps) * steps).tolist()))
+        loads = np.round(np.array(sample.loads) / steps) * steps
+        return ForceSample(sample.time_s, loads[:3], loads[3:], sample.status, sample.sequence)
 
 
 def clean_run(

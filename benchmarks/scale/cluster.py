@@ -67,7 +67,7 @@ def outcome(study: Path) -> dict[str, bytes]:
     """Every stored result and every written file."""
     files = (path for part in _parts(study) for path in part.rglob("*") if path.is_file())
     kept = (path for path in files if not path.name.startswith(".") and _is_result(path))
-    return {path.relative_to(study.parent).as_posix(): path.read_bytes() for path in kept}
+    return {path.relative_to(study.parents[2]).as_posix(): path.read_bytes() for path in kept}
 
 
 def _is_result(path: Path) -> bool:
