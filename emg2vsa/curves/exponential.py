@@ -71,7 +71,7 @@ def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None
 
     Where p is best for its q, the sum of squares is least where h = T1 / T0 - S1 / S0 is zero, with Tk and Sk the sums
     of z^k y exp(q z) and of z^k exp(2 q z). Both quotients are first cumulants of z, whose further ones are the
-    derivatives of h: three of Halley's steps, each of which cubes the error, end the search for q.
+    derivatives of h. A step of Halley cubes the error of q, and few are needed.
     """
     if not y.size:
         return None

@@ -21,9 +21,7 @@ NARROW = 1e-3
 """A fit whose forces differ by a smaller share of themselves says how many digits are left."""
 
 _POINTS_AT_ONCE = 8_000  # both tables of a block together below 128 kB: the C library clears larger ones anew
-_CLOSE = (
-    0.1  # residual squares below this share of those of v are summed from residuals: a difference would lose digits
-)
+_CLOSE = 0.1  # residual squares below this share of those of v are summed one by one: a difference would lose digits
 _PERFECT = 1e-6  # the same share, below which the rounding of the deviations themselves shows in the residuals
 _FAR = 1e8  # square of a mean over the sum of squares about it, above which centring by the rounded mean loses digits
 
