@@ -171,7 +171,7 @@ class Presses:
 
     def find(self, press: int, attempt: int | None = None) -> Tried | None:
         """An attempt of a press, the last one where none is named."""
-        own = (tried for tried in reversed(self.tried) if tried.press.number == press)
+        own = reversed(self._by_number.get(press, []))
         return next((tried for tried in own if attempt in (None, tried.attempt)), None)
 
     def begin(self, press: PlannedPress) -> journal.PressBegun:
@@ -181,7 +181,15 @@ class Presses:
 
     def of(self, press: PlannedPress) -> list[Tried]:
         """Attempts at a press."""
-        return [tried for tried in self.tried if tried.press.number == press.number]
+        return self._by_number.get(press.number, [])
+
+    @cached_property
+    def _by_number(self) -> dict[int, list[Tried]]:
+        """Attempts at each press that has one. A sitting of hours asks for them in every turn."""
+        found: dict[int, list[Tried]] = {}
+        for tried in self.tried:
+            found.setdefault(tried.press.number, []).append(tried)
+        return found
 
     def of_stay(self, stay: int) -> Iterator[Tried]:
         """Attempts at the presses of a stay that have ended, seen by the streams as they are now."""
@@ -226,6 +234,11 @@ class Presses:
         """The first rejected press that waits for the operator."""
         last = (self.find(press.number) for press in self.in_order)
         return next((tried for tried in last if tried is not None and tried.undecided), None)
+
+    @cached_property
+    def judging(self) -> frozenset[int]:
+        """Sittings in which a press that has ended waits for its verdict."""
+        return frozenset(tried.sitting for tried in self.tried if tried.awaits_verdict)
 
     @cached_property
     def without_verdict(self) -> tuple[Tried, ...]:

@@ -108,7 +108,7 @@ class SessionState:
     @property
     def judging(self) -> bool:
         """Whether a press that has ended waits for its verdict."""
-        return any(tried.awaits_verdict and tried.sitting == self.sitting for tried in self.presses.tried)
+        return self.sitting in self.presses.judging
 
     @property
     def unchecked(self) -> list[str]:
