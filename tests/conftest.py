@@ -37,6 +37,10 @@ LONGEST = [
 """Files that are given out first: what is left at the end is short, and no processor waits for it."""
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--renew-pages", action="store_true", help="write into pages what their commands say now")
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Put the files of LONGEST first, and keep the order of all else."""
     place = {ROOT / "tests" / name: row for row, name in enumerate(LONGEST)}
