@@ -38,8 +38,9 @@ class WrittenFiles:
 
     def besides(self, folder: Path, inner: Path) -> str:
         """A file in ``inner``, in ``folder``, that is none of them; "" for none. Hidden ones do not count."""
-        shown = (path.relative_to(folder) for path in sorted(inner.rglob("[!.]*")) if not path.is_dir())
-        return next((path.as_posix() for path in shown if path.as_posix() not in self.names), "")
+        above, known = f"{folder}{os.sep}", set(self.names)
+        shown = (f"{parent}{os.sep}{name}" for parent, _, names in os.walk(inner) for name in names if name[0] != ".")
+        return min({path.removeprefix(above).replace(os.sep, "/") for path in shown} - known, default="")
 
 
 def written_files(folder: Path, paths: Sequence[Path]) -> WrittenFiles:
