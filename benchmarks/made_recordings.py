@@ -186,6 +186,22 @@ def vicon(skipped_row: int | None = None, trajectories: bool = True) -> bytes:
     return ("\r\n".join(text) + "\r\n").encode()
 
 
+def labchart(blocks: int = 1, interval: str = "0,0005 s") -> bytes:
+    """A text of LabChart with decimal commas, two channels, and a comment behind one row."""
+    text = []
+    for _ in range(blocks):
+        text += [
+            f"Interval=\t{interval}",
+            "ExcelDateTime=\t4,5E4\t12.03.2024 10:11:12,345",
+            "TimeFormat=\tStartOfBlock",
+        ]
+        text += ["DateFormat=\t", "ChannelTitle=\tEMG\tKraft", "Range=\t2,000 mV\t50,00 N"]
+        rows = zip(np.arange(N) / 2000, wave(N, 1), wave(N, 2), strict=True)
+        text += ["\t".join(_decimal(value, ",") for value in row) for row in rows]
+        text[-3] += "\t#* pressed"
+    return ("\n".join(text) + "\n").encode("latin-1")
+
+
 def evart(bits: int = 16) -> bytes:
     """An .anc file of 1000 Hz, two channels of ranges 5000 and 10000 mV."""
     text = ["File_Type:\tAnalog R/C ASCII\tGeneration#:\t2", "Board_Type:\tX\tPolarity:\tBipolar"]
@@ -363,6 +379,7 @@ MADE: dict[str, Callable[[], bytes]] = {
     "one_x.lvm": lambda: lvm("One", 1),
     "multi_x_gap.lvm": lambda: lvm("Multi", 3, gap_s=1.0, decimal="."),
     "nexus.vicon.csv": vicon,
+    "block.labchart.txt": labchart,
     "counts.anc": evart,
     "counts.netft.csv": net_ft,
     "bare.emgworks.csv": emgworks,

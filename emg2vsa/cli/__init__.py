@@ -15,7 +15,7 @@ PROGRAM = Program(
     description="From palpation EMG and force to stiffness schedules of a variable stiffness actuator.",
     epilog="Try: emg2vsa tools simulate studies/palpation/study.toml, then emg2vsa run studies/palpation/study.toml.",
     commands={
-        "new": "recordings", "inspect": "recordings", "check": "check", "register": "register", "run": "run",
+        "new": "new", "inspect": "recordings", "check": "check", "register": "register", "run": "run",
         "status": "run", "report": "report", "fit": "recordings", "schedule": "report", "stats": "stats",
         "session": "session", "rig": "rig", "verify": "report", "tools": "tools",
     },

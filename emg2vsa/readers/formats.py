@@ -204,6 +204,7 @@ READERS: tuple[Reader, ...] = (
     Reader("OpenSignals text", "emg2vsa.readers.opensignals", _begins(b"# OpenSignals")),
     Reader("LabVIEW LVM", "emg2vsa.readers.lvm", _begins(b"LabVIEW Measurement")),
     Reader("Vicon ASCII", "emg2vsa.readers.vicon", _is_vicon),
+    Reader("LabChart text", "emg2vsa.readers.labchart", _begins(b"Interval=\t")),
     Reader("EVaRT ANC", "emg2vsa.readers.evart", _begins(b"File_Type:\tAnalog")),
     Reader("ATI Net F/T CSV", "emg2vsa.readers.net_ft", _is_net_ft),
     Reader("EDF", "emg2vsa.readers.edf_bdf", _is_edf, "edfio"),

@@ -46,7 +46,7 @@ def recording_page(files: Sequence[FileFacts], refused: Sequence[str]) -> str:
     one = len(files) == 1
     title = files[0].path.name if one else f"{len(files)} recordings"
     body = "".join(
-        _section(number, "Channels" if one else file.path.name, file) for number, file in enumerate(files, 1)
+        file_section(number, "Channels" if one else file.path.name, file) for number, file in enumerate(files, 1)
     )
     if refused:
         body += section("refused", "Files that could not be read", bullets(refused))
@@ -54,7 +54,8 @@ def recording_page(files: Sequence[FileFacts], refused: Sequence[str]) -> str:
     return page(title, f"<h1>{escape(title)}</h1>", nav, body, paragraph(f"Made by emg2vsa {__version__}.", "small"))
 
 
-def _section(number: int, title: str, file: FileFacts) -> str:
+def file_section(number: int, title: str, file: FileFacts) -> str:
+    """Channels of a file, each with a picture."""
     rows = [(f"{name}: {guess}", *numbers) for name, *numbers, guess in map(_row, file.channels)]
     said = f"{file.format}, {len(file.channels)} channels. Values have the unit that the file states."
     drawn = [(c, s) for c, s in zip(file.channels, file.stored, strict=True) if s is not None and s.fs_hz > 0]

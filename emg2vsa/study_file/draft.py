@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import re
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -16,10 +17,17 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9.-]*")
 _DATE = re.compile(
     r"(19|20)\d{2}-?(0[1-9]|1[0-2])-?([0-2]\d|3[01])([T-]?\d{2}[-.h]?\d{2}([-.m]?\d{2})?)?s?|\d{6,}|\d{2}[-.]\d{2}[-.](\d{2}){1,2}"
 )
-_PERSON = re.compile(r"(?:p|sub|subj|subject|participant|part|vp|pt|person)-?\d+|sub-\w+", re.IGNORECASE)
+_PERSON = re.compile(
+    r"(?:p|sub|subj|subject|participant|part|vp|pt|person|patient|proband|volunteer)-?\d+|sub-\w+", re.IGNORECASE
+)
 _PRESSED = re.compile(r"(?:s|spec|specimen|sample|probe)-?\d+", re.IGNORECASE)
+_ORDER = re.compile(r"(?:block|trial|run|ses|session|set|rep|take|file)-?\d+", re.IGNORECASE)
+"""What counts recordings and names nothing that was pressed, where another part does."""
+_KEY = re.compile(r"[A-Za-z]{3,}-(?=.)")
+"""``sub-`` or ``task-``: a key before a value, as BIDS and LabRecorder write them."""
 _CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
 """What no comment of TOML may hold; names of files may."""
+_OF_MASS = {"kg": "kgf", "g": "gf", "lb": "lbf", "lbs": "lbf"}
 _SEPARATORS = re.compile(r"([/_ ]+)")
 
 
@@ -54,19 +62,47 @@ def naming_of_pairs(files: Sequence[str], pressed: Collection[str] = ()) -> tupl
     emg, force = ([file for file in files if kind.search(file)] for kind in (_EMG_FILE, _FORCE_FILE))
     forces = partners(files)
     if emg and len(emg) == len(force) and not set(emg) & set(force):
-        own, other = naming_of(emg, pressed), naming_of(force, pressed)
-        if (
-            own
-            and other
-            and (own.participants, own.specimens) == (other.participants, other.specimens)
-            and not (forces and own.left_out)
-        ):
-            left_out = tuple(file for file in files if file not in (*emg, *force))
-            found = replace(own, left_out=(*left_out, *own.left_out), force_pattern=other.pattern)
-            return found, [file for file in force if file not in other.left_out]
+        found = naming_of_kinds(files, emg, force, pressed)
+        if found is not None and not (forces and set(emg) & set(found.left_out)):
+            return found, [file for file in force if file not in found.left_out]
     if forces:
         return None, list(forces.values())
     return naming_of(files, pressed), []
+
+
+def naming_of_kinds(
+    files: Sequence[str], emg: Sequence[str], force: Sequence[str], pressed: Collection[str] = ()
+) -> Naming | None:
+    """The naming of the EMG's files with that of the force's; None where they do not tell the same pairs."""
+    own, other = naming_of(emg, pressed), naming_of(force, pressed)
+    if not own or not other or (own.participants, own.specimens) != (other.participants, other.specimens):
+        return None
+    left_out = tuple(file for file in files if file not in (*emg, *force))
+    return replace(own, left_out=(*left_out, *own.left_out, *other.left_out), force_pattern=other.pattern)
+
+
+def halves(files: Sequence[str]) -> list[tuple[list[str], list[str]]]:
+    """Ways to part the files into two halves alike: by the form of their names, or by a part that has two values.
+
+    Which half holds the EMG and which the force, if any does, only the files tell.
+    """
+    shapes: dict[tuple[int, str], list[str]] = {}
+    for file in files:
+        parts = _parts(file)
+        shapes.setdefault((len(parts), parts[-2].lower()), []).append(file)
+    first, *others = shapes.values()
+    if others:
+        return [(first, others[0])] if len(others) == 1 and len(first) == len(others[0]) else []
+    rows, found = {file: _parts(file) for file in files}, []
+    for i in range(len(next(iter(rows.values())))):
+        by_value: dict[str, dict[tuple[str, ...], str]] = {}
+        for file, row in rows.items():
+            by_value.setdefault(row[i], {})[*row[:i], *row[i + 1 :]] = file
+        if len(by_value) == 2:
+            first_half, second_half = by_value.values()
+            if set(first_half) == set(second_half):
+                found.append((list(first_half.values()), list(second_half.values())))
+    return found
 
 
 def partners(files: Sequence[str]) -> dict[str, str]:
@@ -96,17 +132,24 @@ def naming_of(files: Sequence[str], pressed: Collection[str] = ()) -> Naming | N
     varying = {i: values for i, values in columns.items() if len(set(values)) > 1}
     dates = {i for i, values in columns.items() if all(_DATE.fullmatch(value) for value in values)}
     named = {i: v for i, v in varying.items() if i not in dates and all(_NAME.fullmatch(value) for value in v)}
-    roles = _roles(named, pressed)
+    people = [
+        i for i, values in named.items()
+        if all(map(_PERSON.fullmatch, values)) or _PERSON.fullmatch(f"{columns[i - 2][0] if i else ''}{values[0]}")
+    ]  # fmt: skip
+    roles = _roles(named, people, pressed)
     if len(left_out) > len(alike) or roles is None or (len(alike) > 1 and not named):
         return None
     participant, specimen, repetition, guessed = roles
+    keys = {i: _KEY.match(columns[i][0]) for i in (participant, specimen) if i is not None}
+    before = {i: key[0] for i, key in keys.items() if key and all(v.startswith(key[0]) for v in columns[i])}
+    columns |= {i: [value.removeprefix(key) for value in columns[i]] for i, key in before.items()}
     unnamed = [i for i in varying if i not in (participant, specimen, repetition)]
     pieces = list(rows[0])
     for index in [*dates, *unnamed]:
         pieces[index] = "*"
     for i, placeholder in ((participant, "{participant}"), (specimen, "{specimen}"), (repetition, REPETITION)):
         if i is not None:
-            pieces[i] = placeholder
+            pieces[i] = before.get(i, "") + placeholder
     return Naming(
         "".join(pieces),
         tuple(dict.fromkeys(columns[participant])) if participant is not None else ("P01",),
@@ -125,17 +168,21 @@ def _parts(file: str) -> list[str]:
 _Roles = tuple[int | None, int | None, int | None, list[str]]
 
 
-def _roles(named: Mapping[int, Sequence[str]], pressed: Collection[str] = ()) -> _Roles | None:
-    """Which parts tell participant, specimen and repetition, and what of it was guessed; None where they cannot."""
-    counts = {i for i, values in named.items() if all(value.isdecimal() for value in values)}
+def _roles(named: Mapping[int, Sequence[str]], people: Sequence[int], pressed: Collection[str] = ()) -> _Roles | None:
+    """Which parts tell participant, specimen and repetition, and what of it was guessed; None where they cannot.
+
+    people : parts that look like the ids of people.
+    """
+    counts = {i for i, values in named.items() if all(value.isdecimal() for value in values)} - {*people}
     words = [i for i in named if i not in counts]
-    people = [i for i, values in named.items() if all(_PERSON.fullmatch(value) for value in values)]
     if len(words) < 2 and len(counts) == 1 and _counts_up(named, words, *counts):
         return _one_part(named, people, pressed)
     if len(words) < 2:
         words += [i for i in sorted(counts) if i not in words][: 2 - len(words)]
     told = [i for i in words if pressed and set(pressed) <= set(named[i])]
-    for pair in sorted(_pairs(sorted(words), people), key=lambda pair: bool(told) and pair[1] not in told):
+    ordinal = [i for i in words if all(_ORDER.fullmatch(value) for value in named[i])]
+    pairs = _pairs(sorted(words), people)
+    for pair in sorted(pairs, key=lambda pair: (bool(told) and pair[1] not in told, pair[1] in ordinal)):
         rest = [i for i in named if i not in pair]
         keys = list(zip(*(named[i] for i in pair), strict=True))
         guess = f"{named[pair[0]][0]!r} was taken for a participant and {named[pair[1]][0]!r} for a specimen."
@@ -199,6 +246,8 @@ class DraftChannel:
     """name : in the file. unit : the one it states, or None. fs_hz : where the file states none, else None.
 
     sign : of the force. said : what it was taken for, and why. no_rate : the file states no rate and nobody else did.
+    is_force : else it is EMG. largest : value, whatever its sign. told_unit : that a person told; of a force it may be
+    how many newtons a unit is.
     """
 
     name: str
@@ -207,13 +256,38 @@ class DraftChannel:
     sign: int = 1
     said: str = ""
     no_rate: bool = False
+    is_force: bool = False
+    largest: float = math.nan
+    told_unit: str = ""
+
+    @property
+    def is_unit_guessed(self) -> bool:
+        """Whether neither the file nor a person states a unit of EMG or force."""
+        known = si_factor(self.unit)
+        return not self.told_unit and (known is None or known[0] != ("N" if self.is_force else "V"))
+
+    @property
+    def guessed_unit(self) -> str:
+        """Of the EMG by its size: hardly any is above 20 mV, and below 20 uV none is usable."""
+        if self.is_force:
+            return _OF_MASS.get(self.unit or "", "N" if self.unit is None else "1")
+        return "V" if self.largest < 0.02 else "uV" if self.largest > 20 else "mV"
+
+    @property
+    def unit_doubt(self) -> str:
+        """Why the unit is a guess."""
+        if self.is_force and self.unit in _OF_MASS:
+            return f"the file states {self.unit}, a mass; is its weight meant?"
+        stated = "no unit" if self.unit is None else self.unit
+        size = "" if self.is_force or math.isnan(self.largest) else f", by the largest value, {self.largest:.3g}"
+        return f"the file states {stated}; this is a guess{size}"
 
 
 def draft(
     name: str, naming: Naming | None, files: Sequence[str], emg: Mapping[str, DraftChannel], force: DraftChannel | None,
-    stiffness: Mapping[str, float], seen: Sequence[str],
+    stiffness: Mapping[str, float], seen: Sequence[str], presses: int | None = None,
 ) -> str:  # fmt: skip
-    """The text of the study file. seen : what was looked at.
+    """The text of the study file. seen : what was looked at. presses : of each participant on each specimen.
 
     ``files`` are listed one by one where ``naming`` is None.
     """
@@ -238,18 +312,15 @@ def draft(
     lines += ["", "[recordings]", *_recordings(naming, files, listed, forces)]
     lines += ["", "# Channels, guessed from", *(f"#   {one}" for one in seen)]
     for role, channel in emg.items():
-        lines += ["", f"[channels.emg.{_text(role)}]", *_channel(channel, is_force=False)]
+        lines += ["", f"[channels.emg.{_text(role)}]", *_channel(channel)]
     if not emg:
         lines += ["", f"# {FILL}: no channel looks like EMG. Name one for each muscle, as:", "# [channels.emg.EDC]"]
         lines += ['# name = "..."']
     lines += ["", "[channels.force]"]
-    lines += (
-        [f'name = "..."  # {FILL}: no channel looks like the force']
-        if force is None
-        else _channel(force, is_force=True)
-    )
+    lines += [f'name = "..."  # {FILL}: no channel looks like the force'] if force is None else _channel(force)
+    planned = f"# expected_trials = 10   # {FILL}: presses of each participant on each specimen"
     lines += [
-        "", "[window]", f"# expected_trials = 10   # {FILL}: presses of each participant on each specimen", "",
+        "", "[window]", planned if presses is None else f"expected_trials = {presses}", "",
         "# A specimen that nobody pressed, for which schedules are to be made; specimens need their stiffness for it:",
         "# [profile]", '# new_specimen = "new"', "# new_stiffness_n_per_mm = 3.0", "",
     ]  # fmt: skip
@@ -281,20 +352,15 @@ def _listed(file: str) -> tuple[str, str]:
     return texts[0], "_".join(texts[1:])
 
 
-_OF_MASS = {"kg": "kgf", "g": "gf", "lb": "lbf", "lbs": "lbf"}
-
-
-def _channel(channel: DraftChannel, *, is_force: bool) -> list[str]:
+def _channel(channel: DraftChannel) -> list[str]:
     lines = [f"# {channel.said}"] if channel.said else []
     lines.append(f"name = {_text(channel.name)}")
-    unit, known = channel.unit, si_factor(channel.unit)
-    if is_force and unit in _OF_MASS:
-        lines.append(f'unit = "{_OF_MASS[unit]}"   # {FILL}: the file states {unit}, a mass; is its weight meant?')
-    elif unit is None:
-        lines.append(f'unit = "{"N" if is_force else "mV"}"   # {FILL}: the file states no unit; this is a guess')
-    elif known is None or known[0] != ("N" if is_force else "V"):
-        key = "newtons_per_unit = 1.0" if is_force else 'unit = "mV"'
-        lines.append(f"{key}   # {FILL}: the file states {unit}; this is a guess")
+    unit, doubt = channel.told_unit, ""
+    if channel.is_unit_guessed:
+        unit, doubt = channel.guessed_unit, f"   # {FILL}: {channel.unit_doubt}"
+    if unit:
+        is_number = unit[0].isdecimal()
+        lines.append((f"newtons_per_unit = {float(unit)}" if is_number else f'unit = "{unit}"') + doubt)
     if channel.no_rate:
         lines.append(f"fs_hz = 1000   # {FILL}: the file has no time column; this is a guess")
     elif channel.fs_hz is not None:

@@ -6,16 +6,16 @@ import math
 import os
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from emg2vsa.errors import RecordingError, SettingError
 from emg2vsa.readers.front_door import open_recording
 from emg2vsa.readers.survey import ChannelFacts, FileFacts, force_by_file, survey
 from emg2vsa.settings import ReadingSettings
-from emg2vsa.study_file.draft import DraftChannel, Naming, draft, naming_of_pairs
+from emg2vsa.study_file.draft import DraftChannel, Naming, draft, halves, naming_of_kinds, naming_of_pairs
 
-_MUSCLES = {
+MUSCLES = {
     "EDC": r"edc|ext\w*[ _-]?dig\w*", "FDS": r"fds|flex\w*[ _-]?dig\w*(?![ _-]?prof)", "FDP": r"fdp",
     "FCR": r"fcr|flex\w*[ _-]?carp\w*[ _-]?rad\w*", "FCU": r"fcu|flex\w*[ _-]?carp\w*[ _-]?uln\w*",
     "ECR": r"ecr\w*|ext\w*[ _-]?carp\w*[ _-]?rad\w*", "ECU": r"ecu|ext\w*[ _-]?carp\w*[ _-]?uln\w*",
@@ -30,7 +30,7 @@ class Found:
 
     files : recordings that can be read, relative to the study file. unread : what is wrong with each of the others.
     named : how many fit the naming. emg, force : channels of the file that tells most, and of that of the force.
-    fs_hz : rate of channels whose file states none.
+    fs_hz : rate of channels whose file states none. emg_channels, force_channel : to be used, the former by muscle.
     """
 
     files: tuple[str, ...]
@@ -41,6 +41,8 @@ class Found:
     force: FileFacts
     looked_at: tuple[str, ...]
     fs_hz: float | None
+    emg_channels: Mapping[str, DraftChannel] = field(default_factory=dict)
+    force_channel: DraftChannel | None = None
 
     @property
     def specimens(self) -> tuple[str, ...]:
@@ -52,21 +54,25 @@ class Found:
         """What would tell more of the channels."""
         return list(dict.fromkeys(filter(None, (self.emg.hint, self.force.hint))))
 
-    @property
-    def guessed(self) -> list[ChannelFacts]:
-        """The channels that a person should look at."""
-        return [*self.emg.emg[:_MOST_EMG], *([self.force.force] if self.force.force else [])]
-
-    def text(self, name: str, stiffness: Mapping[str, float]) -> str:
-        """The study file. stiffness : of specimens, N/mm."""
-        emg = {role: self._drafted(channel) for role, channel in _by_muscle(self.emg).items()}
-        force = self._drafted(self.force.force) if self.force.force else None
+    def text(self, name: str, stiffness: Mapping[str, float], presses: int | None = None) -> str:
+        """The study file. stiffness : of specimens, N/mm. presses : of each participant on each of them, if planned."""
         seen = [*self.looked_at, *self.hints, *(f"could not be read: {one}" for one in self.unread)]
-        return draft(name, self.naming, self.files, emg, force, stiffness, seen)
+        return draft(
+            name, self.naming, self.files, self.emg_channels, self.force_channel, stiffness, seen, presses
+        )  # fmt: skip
 
-    def _drafted(self, channel: ChannelFacts) -> DraftChannel:
-        unknown = not channel.fs_hz > 0
-        return DraftChannel(channel.name, channel.unit, self.fs_hz, channel.sign, channel.guess, unknown)
+    def rate_hz(self, channel: DraftChannel) -> float:
+        """As the files tell it; NaN where they do not."""
+        facts = self.force if channel.is_force else self.emg
+        return next((each.fs_hz for each in facts.channels if each.name == channel.name), math.nan)
+
+    def drafted(self, channel: ChannelFacts) -> DraftChannel:
+        """A channel of the files as the study file is to have it."""
+        is_force = channel.role != "EMG"
+        return DraftChannel(
+            channel.name, channel.unit, self.fs_hz, channel.sign, channel.guess, not channel.fs_hz > 0, is_force,
+            max(abs(channel.low), abs(channel.high)),
+        )  # fmt: skip
 
 
 def look(
@@ -83,13 +89,37 @@ def look(
         raise SettingError(folder, wanted="recordings", found="none that can be read", do=do)
     by_file = {_relative(path, beside): path for path in usable}
     naming, force_files = naming_of_pairs(list(by_file), pressed)
+    if not force_files and (pairs := _pairs_by_content(by_file, reading, fs_hz, pressed)) is not None:
+        naming, force_files = pairs
     aside = {*force_files, *(naming.left_out if naming else ())}
     named = [path for file, path in by_file.items() if file not in aside]
     emg = force = _telling(named, reading, fs_hz)
     if force_files:
         force = force_by_file(_telling([path for file, path in by_file.items() if file in force_files], reading, fs_hz))
     looked_at = dict.fromkeys(_relative(one.path, beside) for one in (emg, force))
-    return Found(tuple(by_file), tuple(unread), naming, len(named), emg, force, tuple(looked_at), fs_hz)
+    found = Found(tuple(by_file), tuple(unread), naming, len(named), emg, force, tuple(looked_at), fs_hz)
+    channels = {role: found.drafted(channel) for role, channel in _by_muscle(emg).items()}
+    # one amplifier has one unit
+    largest = max((channel.largest for channel in channels.values() if channel.is_unit_guessed), default=math.nan)
+    channels = {role: replace(channel, largest=largest) for role, channel in channels.items()}
+    pressing = found.drafted(force.force) if force.force else None
+    return replace(found, emg_channels=channels, force_channel=pressing)
+
+
+def _pairs_by_content(
+    by_file: Mapping[str, Path], reading: ReadingSettings, fs_hz: float | None, pressed: Collection[str]
+) -> tuple[Naming, list[str]] | None:
+    """The naming where one half of the files holds EMG and the other a force, and the latter."""
+    for parted in halves(list(by_file)):
+        facts = [survey(by_file[files[0]], reading, fs_hz) for files in parted]
+        kinds = [(bool(each.emg), force_by_file(each).force is not None) for each in facts]
+        if kinds not in ([(True, False), (False, True)], [(False, True), (True, False)]):
+            continue
+        emg, force = parted if kinds[0][0] else parted[::-1]
+        naming = naming_of_kinds(list(by_file), emg, force, pressed)
+        if naming is not None:
+            return naming, [file for file in force if file not in naming.left_out]
+    return None
 
 
 def study_name(folder: Path) -> str:
@@ -109,13 +139,20 @@ def stiffness_of(given: Sequence[str]) -> dict[str, float]:
     return found
 
 
-def refuse_unknown(stiffness: Mapping[str, float], specimens: Sequence[str]) -> None:
-    """SettingError for a stiffness of a specimen that no file names."""
-    for name in stiffness:
-        if name not in specimens:
+def by_specimen(stiffness: Mapping[str, float], specimens: Sequence[str]) -> dict[str, float]:
+    """The stiffness of specimens as the files name them; the end of one name is enough: A for objectA.
+
+    SettingError for a specimen that no file names, or several do.
+    """
+    found = {}
+    for name, value in stiffness.items():
+        meant = [name] if name in specimens else [each for each in specimens if each.lower().endswith(name.lower())]
+        if len(meant) != 1:
             wanted = f"a specimen that the files name ({', '.join(specimens) or 'none was found'})"
             do = "Correct it, or write it into the study file."
             raise SettingError("--stiffness", wanted=wanted, found=repr(name), do=do)
+        found[meant[0]] = value
+    return found
 
 
 def positive(text: str) -> float:
@@ -157,7 +194,7 @@ def _by_muscle(facts: FileFacts) -> dict[str, ChannelFacts]:
     """EMG channels by muscle where their names tell it, all of them by name where none does."""
     found: dict[str, ChannelFacts] = {}
     for channel in facts.emg:
-        for role, names in _MUSCLES.items():
+        for role, names in MUSCLES.items():
             if re.search(rf"(^|[^a-z])({names})([^a-z]|$)", channel.name, re.IGNORECASE):
                 found.setdefault(role, channel)
     return found or {channel.name: channel for channel in facts.emg[:_MOST_EMG]}

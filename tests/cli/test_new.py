@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import re
 from pathlib import Path
@@ -68,9 +69,11 @@ def test_an_existing_study_file_is_never_replaced(
 def test_what_no_file_tells_is_asked_on_a_terminal(
     folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    answers = iter(["six", "6,5", ""])
-    monkeypatch.setattr("sys.stdin.isatty", lambda: True)
-    monkeypatch.setattr("builtins.input", lambda question: next(answers))
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    monkeypatch.setattr("sys.stdin", Terminal("\n\nsix\n6,5\n\n\n"))
     assert main(["new", str(folder), "--out", str(tmp_path / "s.toml")]) == 0
     assert load_study(tmp_path / "s.toml").stiffness_n_per_mm == {"hard": 6.5}
 

@@ -393,6 +393,31 @@ def test_counts_of_an_evart_file_become_mv_by_range_and_bits(tmp_path: Path) -> 
         _opened(tmp_path, made.evart().replace(b"BitDepth:\t16", b"BitDepth:\t"))
 
 
+def test_a_labchart_text_states_rate_and_units_above_its_rows(tmp_path: Path) -> None:
+    opened = _opened(tmp_path, made.labchart())
+    emg, force = (_channel(opened, name) for name in ("EMG", "Kraft"))
+    assert [(each.unit, each.fs_hz, each.samples.size) for each in (emg, force)] == [("mV", 2000, N), ("N", 2000, N)]
+    np.testing.assert_allclose(force.samples, made.wave(N, 2))
+    assert "decimal comma" in opened.contents.notes[0]
+    named = made.labchart().replace(b"Range=", b"UnitName=\tV\tkN\nRange=")
+    assert [_channel(_opened(tmp_path, named), name).unit for name in ("EMG", "Kraft")] == ["V", "kN"]
+
+
+@pytest.mark.parametrize(
+    ("content", "found"),
+    [
+        (made.labchart(blocks=2), "several blocks. Export each block"),
+        (made.labchart(interval="0,0 s"), "'0,0 s' as the interval"),
+        (made.labchart(interval="5 apples"), "'5 apples' as the interval"),
+        (made.labchart().replace(b"ChannelTitle=\tEMG\tKraft", b"ChannelTitle=\t"), "0 channel titles"),
+        (made.labchart().partition(b"0,000000")[0], "2 channel titles and no rows"),
+    ],
+)
+def test_a_damaged_labchart_text_is_refused(tmp_path: Path, content: bytes, found: str) -> None:
+    with pytest.raises(RecordingError, match=f"expected a text that LabChart exported, but found {found}"):
+        _opened(tmp_path, content)
+
+
 @pytest.mark.parametrize("counts", [True, False])
 def test_net_ft_counts_and_values_give_the_same_newtons(tmp_path: Path, counts: bool) -> None:
     opened = _opened(tmp_path, made.net_ft(counts, lost=True))

@@ -1,0 +1,199 @@
+"""What no file tells, asked of a person: every question says what was guessed and why, and an empty answer takes it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Protocol, TypeVar
+
+from emg2vsa.readers.survey import ChannelFacts
+from emg2vsa.study_file.draft import DraftChannel, Naming, naming_of_pairs
+from emg2vsa.study_file.drafting import MUSCLES, Found, positive
+
+_T = TypeVar("_T")
+_FORCES = ("N", "mN", "kN", "kgf", "gf", "lbf")
+_VOLTS = ("V", "mV", "uV")
+
+
+class Ask(Protocol):
+    """Puts a question and returns the answer."""
+
+    def __call__(self, question: str, guess: str, parse: Callable[[str], _T], wanted: str) -> _T:
+        """The answer as ``parse`` makes it of what was typed, of ``guess`` where that is nothing.
+
+        question : may have several lines. parse : ValueError for an answer that is not what is ``wanted``.
+        """
+
+
+def ask_about(found: Found, stiffness: Mapping[str, float], ask: Ask) -> tuple[Found, dict[str, float], int | None]:
+    """What was found as a person corrects it, the stiffness of specimens in N/mm, and the presses on each, if planned.
+
+    stiffness : of specimens that need no question.
+    """
+    found = _ask_names(found, ask)
+    found = _ask_force(found, ask)
+    found = _ask_muscles(found, ask)
+    emg, force = found.emg_channels, found.force_channel
+    if told := [channel for channel in emg.values() if channel.is_unit_guessed]:
+        unit = ask(
+            f"{_names(told)}: {told[0].unit_doubt}.\nThe unit: V, mV or uV?", told[0].guessed_unit, _one_of(_VOLTS),
+            "V, mV or uV",
+        )  # fmt: skip
+        emg = {role: replace(c, told_unit=unit) if c.is_unit_guessed else c for role, c in emg.items()}
+    if untimed := [channel for channel in emg.values() if channel.no_rate]:
+        rate_hz = _ask_rate(untimed, ask)
+        emg = {role: replace(c, fs_hz=rate_hz, no_rate=False) if c.no_rate else c for role, c in emg.items()}
+    if force is not None:
+        force = _ask_about_force(force, ask)
+    known = dict(stiffness)
+    for name in found.specimens:
+        if name not in known and (value := _ask_stiffness(name, ask)) is not None:
+            known[name] = value
+    question = "How often did each participant press each specimen? (Enter: it was not planned)"
+    presses = ask(question, "", lambda text: _whole(text) if text else None, "a whole number above 0, such as 10")
+    return replace(found, emg_channels=emg, force_channel=force), known, presses
+
+
+def _ask_names(found: Found, ask: Ask) -> Found:
+    """Which part of the names tells what was pressed, where two parts may."""
+    naming = found.naming
+    if naming is None or not all(f"{{{role}}}" in naming.pattern for role in ("participant", "specimen")):
+        return found
+    question = (
+        f"The files are named {naming.pattern}.\n  who pressed: {_some(naming.participants)}\n  what was pressed: "
+    )
+    question += f"{_some(naming.specimens)}\nIs it so? If not, type one name of what was pressed."
+
+    def parse(text: str) -> Naming:
+        if text in ("yes", *naming.specimens):
+            return naming
+        other, _ = naming_of_pairs(found.files, [text])
+        if other is None or text not in other.specimens:
+            raise ValueError
+        return other
+
+    return replace(found, naming=ask(question, "yes", parse, "yes, or a part of the files' names"))
+
+
+def _ask_force(found: Found, ask: Ask) -> Found:
+    """Which channel the force is, where several may be it or none looks like it."""
+    facts = found.force
+    fit = [c for c in facts.channels if c.role == "force" or (c.role == "other" and c.fs_hz > 0 and c.noise >= 0)]
+    likely = [c for c in fit if c.role == "force" or c.guess.startswith(("a force", "force"))]
+    shown = likely if facts.force and len(likely) > 1 else fit
+    if (len(shown) < 2 and facts.force) or not shown:
+        return found
+    guess = facts.force or shown[0]
+    question = f"{_listed(shown)}\nWhich of them is the force that presses? Its number or name."
+    chosen = ask(question, guess.name, _channel_of(shown), f"a number from 1 to {len(shown)}, or a name")
+    return replace(found, force_channel=found.drafted(chosen))
+
+
+def _ask_muscles(found: Found, ask: Ask) -> Found:
+    """Which muscle each EMG channel is, where their names do not tell."""
+    channels = found.emg_channels
+    if MUSCLES.keys() & channels.keys() or not channels:
+        return found
+    names = [channel.name for channel in channels.values()]
+    listed = "\n".join(f"  {number} {c.name}: {c.said}" for number, c in enumerate(channels.values(), 1))
+    question = f"{listed}\nWhich muscles are they? Such as 1=FDS 2=EDC; the others are left out. (Enter: all are used)"
+
+    def parse(text: str) -> dict[str, DraftChannel]:
+        if not text:
+            return dict(channels)
+        pairs = [re.fullmatch(r"(.+)=(\w+)", word) for word in re.split(r"[\s,;]+", text)]
+        told = {pair[2]: channels[_by_number(pair[1], names)] for pair in pairs if pair}
+        if None in pairs or len(told) < len(pairs):
+            raise ValueError
+        return told
+
+    return replace(found, emg_channels=ask(question, "", parse, "pairs such as 1=FDS 2=EDC"))
+
+
+def _ask_about_force(force: DraftChannel, ask: Ask) -> DraftChannel:
+    if force.is_unit_guessed:
+        question = f"{force.name}: {force.unit_doubt}.\nThe unit: {', '.join(_FORCES)}, or how many newtons one is?"
+        unit = ask(question, force.guessed_unit, _force_unit, f"{', '.join(_FORCES)} or a number above 0, such as 0.02")
+        force = replace(force, told_unit=unit)
+    if force.no_rate:
+        force = replace(force, fs_hz=_ask_rate([force], ask), no_rate=False)
+    question = f"{force.name}: {force.said or 'nothing tells which way it goes'}.\nDoes pressing raise or lower it?"
+    rises = ask(question, "lowers" if force.sign < 0 else "raises", _either("raises", "lowers"), "raises or lowers")
+    return replace(force, sign=1 if rises else -1)
+
+
+def _ask_rate(channels: Sequence[DraftChannel], ask: Ask) -> float:
+    question = f"{_names(channels)}: the file has no time column.\nHow many samples are there in a second?"
+    return ask(question, "1000", _number, "a number above 0, such as 1000")
+
+
+def _ask_stiffness(specimen: str, ask: Ask) -> float | None:
+    question = f"Stiffness of {specimen} by plate indentation, in N/mm? (Enter: it was not measured)"
+    return ask(question, "", lambda text: _number(text) if text else None, "a number above 0, such as 7.63")
+
+
+def _listed(channels: Sequence[ChannelFacts]) -> str:
+    return "\n".join(f"  {number} {c.name}: {c.guess}" for number, c in enumerate(channels, 1))
+
+
+def _names(channels: Sequence[DraftChannel]) -> str:
+    return _some([channel.name for channel in channels])
+
+
+def _some(names: Sequence[str]) -> str:
+    return ", ".join(names[:6]) + (f" and {len(names) - 6} more" if len(names) > 6 else "")
+
+
+def _channel_of(channels: Sequence[ChannelFacts]) -> Callable[[str], ChannelFacts]:
+    by_name = {channel.name: channel for channel in channels}
+    return lambda text: by_name[_by_number(text, list(by_name))]
+
+
+def _by_number(text: str, names: Sequence[str]) -> str:
+    """The name that ``text`` is or counts. ValueError for none."""
+    if text in names:
+        return text
+    number = _whole(text)
+    if number > len(names):
+        raise ValueError
+    return names[number - 1]
+
+
+def _whole(text: str) -> int:
+    number = int(text)
+    if number < 1:
+        raise ValueError
+    return number
+
+
+def _number(text: str) -> float:
+    value = positive(text.replace(",", "."))
+    if not value > 0:
+        raise ValueError
+    return value
+
+
+def _one_of(words: Sequence[str]) -> Callable[[str], str]:
+    def parse(text: str) -> str:
+        if text not in words:
+            raise ValueError
+        return text
+
+    return parse
+
+
+def _either(yes: str, no: str) -> Callable[[str], bool]:
+    """Whether the answer is ``yes``, of which a beginning is enough, or ``no``."""
+
+    def parse(text: str) -> bool:
+        answers = [word for word in (yes, no) if word.startswith(text.lower())]
+        if len(answers) != 1:
+            raise ValueError
+        return answers[0] == yes
+
+    return parse
+
+
+def _force_unit(text: str) -> str:
+    return text if text in _FORCES else f"{_number(text):g}"
