@@ -21,7 +21,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from benchmarks import folders_apart, folders_gallery
-from benchmarks.laboratory import Known, Laboratory
+from benchmarks.folder_laboratory import Known, Laboratory
 from emg2vsa.cli import main
 from emg2vsa.study import Study
 from emg2vsa.study_file import load_study

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks import made_recordings
-from benchmarks.laboratory import Known, Laboratory
+from benchmarks.folder_laboratory import Known, Laboratory
 
 Floats = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ import pandas as pd
 import scipy.io
 
 from benchmarks import made_neurophysiology
-from benchmarks.laboratory import Known, Laboratory
+from benchmarks.folder_laboratory import Known, Laboratory
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.worlds.people.recording import RecordingStream
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from benchmarks import folders_apart, folders_gallery
+from benchmarks.folder_laboratory import Laboratory
 from benchmarks.folders import MOST_COMMANDS, try_folder
-from benchmarks.laboratory import Laboratory
 
 QUICK = ("clock_stamps", "headerless")
 APART = {each.name: each for each in folders_apart.LABORATORIES}
