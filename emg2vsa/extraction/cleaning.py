@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
@@ -55,60 +56,83 @@ def cleaned(
     late_s = 0.0 if chain.low is None else chain.low.delay_s
     force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
     emg_clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)
-    said: list[str] = []
     presses = conditioned.presses
-    edges = [np.clip(emg_clock.index(edge_s + force_clock.start_s), 0, emg_clock.n_samples).astype(np.int64)
-             for edge_s in (presses.start_s, presses.stop_s)]  # fmt: skip
-    gaps = bridge(record.samples, record.missing, record.fs_hz, np.stack(edges, axis=-1))
-    samples, hum = gaps.samples, None
+    edges_s = np.stack((presses.start_s, presses.stop_s), axis=-1) + force_clock.start_s
+    edges = np.clip(emg_clock.index(edges_s), 0, emg_clock.n_samples).astype(np.int64)
+    gaps = bridge(record.samples, record.missing, record.fs_hz, edges)
+    rests = np.stack(rest_samples(conditioned.rest, emg_clock, force_clock), axis=-1)
     force_at = partial(_force_at, force_n=conditioned.force_n, emg=emg_clock, force=force_clock)
-    start, stop = rest_samples(conditioned.rest, emg_clock, force_clock)
-    if filters.mains == "remove" or filters.rest_level == "subtract":
-        removing = filters.mains == "remove"
-        samples, hum = remove_hum(
-            samples, record.fs_hz, start, stop, (edges[0], edges[1]),
-            lambda at: force_at(at) > TOUCHED * window.force_n[0], only_absent=not removing,
-        )  # fmt: skip
-        if hum is not None and removing:
-            shown = ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(record.muscles, hum.rms, strict=True))
-            orders = ", ".join(map(str, hum.harmonics.tolist()))
-            said.append(f"mains: {hum.hz:.2f} Hz, harmonics {orders}, fitted at rest and subtracted: {shown} rms")
-        if hum is not None and hum.absent.size:
-            orders = ", ".join(map(str, hum.absent.tolist()))
-            said.append(f"mains: harmonics {orders} change when the specimen is touched, subtracted at rest only")
-    hum_hz = hum.hz if hum else None
-    taken_v = np.zeros(len(samples))
-    if filters.mains == "remove":
-        samples, taken_v = remove_touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz, force_at)
-        if taken_v.any():
-            shown = ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(record.muscles, taken_v, strict=True))
-            said.append(f"mains: hum while the specimen is touched, fitted in each press and subtracted: {shown} rms")
-    # where nothing was taken, the same test of the same samples has just found none
-    asked = filters.mains != "remove" or taken_v.any()
-    touching_v = touch_hum(samples, record.fs_hz, edges[0], edges[1], hum_hz) if asked else taken_v
-    if touching_v.any():
-        # hum of the rests that stays is part of the rest level
-        touching_v = np.sqrt(
-            np.maximum(touching_v**2 - touch_hum(samples, record.fs_hz, start, stop, hum_hz) ** 2, 0.0)
-        )
-    stop_s = conditioned.presses.stop_s + force_clock.start_s
-    moved = movement(gaps.samples, record.fs_hz, np.stack(edges, axis=-1), np.stack((start, stop), axis=-1))
+    hum = _without_hum(replace(record, samples=gaps.samples), edges, rests, force_at, filters, window)
+    moved = movement(gaps.samples, record.fs_hz, edges, rests)
     moved = [
         spans[[np.mean(absent[first:last]) < HELD_SHARE for first, last in spans.tolist()]] if absent.any() else spans
         for spans, absent in zip(moved, record.missing, strict=True)
     ]  # a line over a gap that is known is no movement
     unheard_s = _unheard_s(record, force_missing, presses, emg_clock, force_clock, window)
     lag = estimate_lag(
-        samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], stop_s, moved, unheard_s
-    )  # fmt: skip
+        hum.samples, emg_clock, conditioned.force_n, force_clock, window.force_n[0], edges_s[:, 1], moved, unheard_s
+    )
+    said = (*hum.said, *_said_of_lag(lag, filters))
+    return Cleaned(replace(record, samples=hum.samples), lag, hum.touching_v, hum.taken_v, moved, gaps, said)
+
+
+class _Hum(NamedTuple):
+    """Samples (n,) by muscle without it; as in ``Cleaned``."""
+
+    samples: tuple[Floats, ...]
+    touching_v: Floats
+    taken_v: Floats
+    said: list[str]
+
+
+def _without_hum(
+    record: EmgRecord, presses: Ints, rests: Ints, force_at: Callable[[Ints], Floats], filters: FilterSettings,
+    window: WindowSettings,
+) -> _Hum:  # fmt: skip
+    """Presses (p, 2) and rests (r, 2) of a record without hum. force_at : N, at successive samples (k,)."""
+    samples, hum, said, removing = record.samples, None, list[str](), filters.mains == "remove"
+    (begin, end), (start, stop) = presses.T, rests.T
+    if removing or filters.rest_level == "subtract":
+        samples, hum = remove_hum(
+            samples, record.fs_hz, start, stop, (begin, end), lambda at: force_at(at) > TOUCHED * window.force_n[0],
+            only_absent=not removing,
+        )  # fmt: skip
+    if hum is not None and removing:
+        orders = ", ".join(map(str, hum.harmonics.tolist()))
+        shown = _rms(record.muscles, hum.rms)
+        said.append(f"mains: {hum.hz:.2f} Hz, harmonics {orders}, fitted at rest and subtracted: {shown} rms")
+    if hum is not None and hum.absent.size:
+        orders = ", ".join(map(str, hum.absent.tolist()))
+        said.append(f"mains: harmonics {orders} change when the specimen is touched, subtracted at rest only")
+    hum_hz = hum.hz if hum else None
+    taken_v = np.zeros(len(samples))
+    if removing:
+        samples, taken_v = remove_touch_hum(samples, record.fs_hz, begin, end, hum_hz, force_at)
+        if taken_v.any():
+            shown = _rms(record.muscles, taken_v)
+            said.append(f"mains: hum while the specimen is touched, fitted in each press and subtracted: {shown} rms")
+    # where nothing was taken, the same test of the same samples has just found none
+    asked = not removing or taken_v.any()
+    touching_v = touch_hum(samples, record.fs_hz, begin, end, hum_hz) if asked else taken_v
+    if touching_v.any():
+        # hum of the rests that stays is part of the rest level
+        resting_v = touch_hum(samples, record.fs_hz, start, stop, hum_hz)
+        touching_v = np.sqrt(np.maximum(touching_v**2 - resting_v**2, 0.0))
+    return _Hum(samples, touching_v, taken_v, said)
+
+
+def _rms(muscles: tuple[str, ...], rms_v: Floats) -> str:
+    return ", ".join(f"{muscle} {1e6 * v:.3g} uV" for muscle, v in zip(muscles, rms_v, strict=True))
+
+
+def _said_of_lag(lag: Lag, filters: FilterSettings) -> Iterator[str]:
     found = f"lag: force follows EMG by {1e3 * lag.lag_s:.0f} ms, "
     if lag.pieces > 1:
-        said.append(f"{found}standard error {1e3 * lag.error_s:.0f} ms, {1e3 * lag.se_s:.0f} ms of it between presses")
+        yield f"{found}standard error {1e3 * lag.error_s:.0f} ms, {1e3 * lag.se_s:.0f} ms of it between presses"
     else:
-        said.append(f"{found}by one press" if lag.pieces else "lag: not known")
+        yield f"{found}by one press" if lag.pieces else "lag: not known"
     if filters.align == "lag" and not lag.certain:
-        said.append("lag: not certain, force is not moved")
-    return Cleaned(replace(record, samples=samples), lag, touching_v, taken_v, moved, gaps, tuple(said))
+        yield "lag: not certain, force is not moved"
 
 
 def _unheard_s(
