@@ -137,14 +137,14 @@ def _table(name: str, values: dict[str, Any]) -> str:
 
 
 def undistorted(points_px: NDArray[np.float64], camera: Camera | None) -> NDArray[np.float64]:
-    """Points (..., 2) as a camera without distortion would see them; the same without a camera."""
+    """Points (..., 2) px as a camera without distortion would see them; the same without a camera."""
     if camera is None or not camera.distortion:
         return points_px
     return camera.undistorted_px(points_px.reshape(-1, 2)).reshape(points_px.shape)
 
 
 def distorted(points_px: NDArray[np.float64], camera: Camera | None) -> NDArray[np.float64]:
-    """The inverse of ``undistorted``."""
+    """The inverse of ``undistorted``: points (..., 2) px as this camera sees them."""
     if camera is None or not camera.distortion:
         return points_px
     return camera.distorted_px(points_px.reshape(-1, 2)).reshape(points_px.shape)

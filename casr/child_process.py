@@ -230,7 +230,11 @@ def _die_with_parent(lifeline: int) -> None:
 @contextlib.contextmanager
 def limited(seconds: float, memory_mb: float) -> Iterator[None]:
     """In the child: memory limited by the system, where it does; and a watchdog that needs no interpreter lock, in case
-    the parent cannot keep time."""
+    the parent cannot keep time.
+
+    seconds : that the child may work; the watchdog ends it 2 s later.
+    memory_mb : of data, MB.
+    """
     if sys.platform != "win32":
         import resource  # noqa: PLC0415  (there is none on Windows)
 
@@ -259,6 +263,7 @@ def read_whole(file: FileIO, size: int) -> np.ndarray[Any, Any]:
 
 
 def write_whole(file: FileIO, part: Any) -> None:
+    """Write all bytes of a part, in as many turns as the pipe takes. BlockingIOError : the pipe takes nothing now."""
     rest = memoryview(part).cast("B")
     while rest:
         taken = file.write(rest)

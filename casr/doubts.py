@@ -41,13 +41,13 @@ class Stretch:
     log_sd: float
 
     def between(self, low_n: float, high_n: float) -> float:
-        """Rise of the logarithm between two forces, in a straight line from frame to frame in the order of forces."""
+        """Rise of the logarithm between two forces, N, in a straight line from frame to frame by rising force."""
         low, high = np.interp([low_n, high_n], *self._by_force)
         return float(high - low)
 
     @cached_property
     def range_n(self) -> tuple[float, float]:
-        """The least and the largest force."""
+        """The least and the largest force, N."""
         return float(self.force_n.min()), float(self.force_n.max())
 
     @cached_property

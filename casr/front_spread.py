@@ -84,10 +84,11 @@ def front_spread(
     area_unit: str = "mm2",
     window_n: tuple[float, float] = WINDOW_N,
 ) -> FrontSpread:
-    """Rate over the frames that are determined.
+    """Rate over the frames of T that are determined (paper, eq. 2, of the front's area).
 
-    skin_log_growth : (T-1,) of the steps. rule, area_unit, window_n : of ``spread_rate``.
-    force_zero_sd_n : standard error of the resting level; None where none was taken off.
+    skin_log_growth : (T-1,) of the steps.
+    force_n : (T,) N, or None. rule, area_unit, window_n (N) : of ``spread_rate``.
+    force_zero_sd_n : standard error of the resting level, N; None where none was taken off.
     """
     used = front.determined
     first = int(np.argmax(used))

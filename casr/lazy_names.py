@@ -8,8 +8,10 @@ from importlib import import_module
 
 
 def lazy_names(package: str, modules: Mapping[str, str]) -> tuple[Callable[[str], object], Callable[[], list[str]]]:
-    """``__getattr__`` and ``__dir__`` of ``package``. modules : public name to the module
-    that has it, as a relative import writes it without its first dot."""
+    """``__getattr__`` and ``__dir__`` of ``package``. The first raises AttributeError for other names.
+
+    modules : public name to the module that has it, as a relative import writes it without its first dot.
+    """
 
     def load(name: str) -> object:
         if name not in modules:

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 
 def median(values: NDArray[np.float64], axis: int = 0) -> NDArray[np.float64]:
-    """Median along an axis that is not empty; values : finite, else the answer means nothing."""
+    """Median along an axis that is not empty; shape of ``values`` without the axis. values : finite, else the answer
+    means nothing."""
     ordered = np.sort(values, axis=axis)
     n = ordered.shape[axis]
     high = ordered.take(n // 2, axis=axis)

@@ -125,7 +125,8 @@ def _seen(lag_s: float, sd_s: float) -> str:
 
 
 def shifted(sequence: FrameSequence, settings: ScoreSettings, lag_s: float) -> PressForces:
-    """Forces of a sequence whose frames were taken ``lag_s`` before their times; FramesError as ``press_forces``."""
+    """Forces of a sequence whose frames were taken ``lag_s`` (s) before their times; FramesError as ``press_forces``,
+    and where its forces have no times."""
     assert sequence.force_n is not None
     force_n = sequence.force_n
     if lag_s:

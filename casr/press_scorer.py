@@ -72,7 +72,7 @@ class PressScorer:
         self._n_taken = self._n_bad = 0
 
     def rest(self, image: NDArray[Any]) -> PinTracker:
-        """Take the static frame; what follows its pins to frames that are not scored.
+        """Take the static frame (H, W) or (H, W, 3); what follows its pins to frames that are not scored.
 
         PinsError : too few pins. ImageError : not an image.
         """
@@ -81,7 +81,7 @@ class PressScorer:
         return copy(self._at_rest)
 
     def touch(self, image: NDArray[Any]) -> bool:
-        """Initial area and contact region from the static frame and the frame of first contact.
+        """Initial area and contact region from the static frame and the frame of first contact, (H, W) or (H, W, 3).
 
         Returns False if this frame is bad: touch again, with the next one.
         NoContactError : no pin moved, and no region is given.
@@ -101,7 +101,7 @@ class PressScorer:
         return True
 
     def load(self, image: NDArray[Any]) -> FlowStep | None:
-        """Growth from the last good frame to the next one; None for a bad frame.
+        """Growth from the last good frame to the next one, (H, W) or (H, W, 3); None for a bad frame.
 
         Raises PinsError at the third bad frame in a row. ImageError : not an image, or of another size.
         """
@@ -175,7 +175,8 @@ class PressScorer:
         return of_frames[good[good < len(of_frames)]]
 
     def rate(self, force_n: Array) -> SpreadRate:
-        """Rate at which the skin of the first contact grows, over the first frames, whose forces these are."""
+        """Rate (paper, eq. 2) at which the skin of the first contact grows, over the first frames, whose forces (T,),
+        N, these are."""
         return spread_rate(self.areas(force_n), self._of_good(force_n), **self._rule)
 
     @property
@@ -205,8 +206,8 @@ class PressScorer:
     ) -> Score:
         """The score of the good frames of ``phase``. FramesError : fewer than two are good.
 
-        force_n : forces of all frames of ``phase``; None without a force log.
-        force_zero_sd_n : standard error of the resting level; None where none was taken off.
+        force_n : (T,) forces of all frames of ``phase``, N; None without a force log.
+        force_zero_sd_n : standard error of the resting level, N; None where none was taken off.
         """
         of_skin = self._of_skin(phase, force_n)
         frames, skin, by_front = of_skin["frames"], of_skin["skin"], self._settings.quantity == "front"
@@ -224,7 +225,8 @@ class PressScorer:
         )  # fmt: skip
 
     def skin(self, phase: LoadingPhase, force_n: Array) -> SkinScore:
-        """What the skin of the first contact says in the good frames of ``phase``; force_n : of all of its frames, N.
+        """What the skin of the first contact says in the good frames of ``phase``; force_n : (T,) of all of its frames,
+        N.
 
         FramesError : fewer than two frames are good, or their force does not rise.
         """
@@ -300,7 +302,8 @@ class PressScorer:
         return np.where(front.determined & (doubt == ""), front.area, np.nan)
 
     def so_far(self, force_n: Array) -> Spread | None:
-        """What the quantity says after the last ``follow``; None where no rate is known yet. Forces of ``follow``."""
+        """What the quantity says after the last ``follow``; None where no rate is known yet. Forces (T,) of ``follow``,
+        N."""
         try:
             if self._settings.quantity == "skin":
                 rate = self.rate(force_n)

@@ -123,7 +123,7 @@ class ScoreSettings:
 
     @property
     def window_n(self) -> tuple[float, float]:
-        """The forces between which rule ``power`` takes the mean rate."""
+        """The forces, N, between which rule ``power`` takes the mean rate."""
         return self.rate_window_n or (self.force_start_n, self.force_stop_n or WINDOW_N[1])
 
     def __post_init__(self) -> None:

@@ -89,7 +89,7 @@ class SeenLoading:
 
 
 def first_touch(sequence: FrameSequence, threshold_px: float, pins: PinSettings | None = None) -> int:
-    """The first frame in which three pins have moved more than ``threshold_px`` from where they are in frame 0.
+    """The first frame in which three pins have moved more than ``threshold_px`` (px) from where they are in frame 0.
 
     NoContactError : there is none. PinsError : too few pins in frame 0.
     """

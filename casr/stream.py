@@ -44,7 +44,8 @@ class RestFrame:
         self._look_at = RECENT_FRAMES // 2
 
     def take(self, image: NDArray[Any], force_n: float, zero_n: float = 0.0) -> None:
-        """Take a frame out of contact and its force, N. zero_n : what counts as 0 N, by the forces so far."""
+        """Take a frame (H, W) or (H, W, 3) out of contact and its force, N. zero_n : what counts as 0 N, by the forces
+        so far."""
         # a camera may write its next frame into the same memory
         self._recent.append((len(self._force_n), as_grey(image).copy()))
         self._force_n.append(force_n)
@@ -126,13 +127,10 @@ class StreamScorer:
         self._phase, self._rested = "rest", 0
 
     def push(self, image: NDArray[Any], force_n: float) -> StreamState:
-        """Take the next frame and its force, N; NaN where there is none: such a frame is skipped.
+        """Take the next frame (H, W) or (H, W, 3) and its force, N; NaN where there is none: such a frame is skipped.
 
         A bad frame is skipped as ``PressScorer`` says. Pins that do not move, or bad frames in a row, are no error
         here: the note says so, and ``finish`` raises it if it matters.
-
-        Raises
-        ------
         FramesError : the first frame with a force is in contact already. ImageError : not an image.
         """
         self._force_n.append(force_n)

@@ -314,7 +314,7 @@ def ticks(low: float, high: float, most: int) -> list[float]:
 
 
 def thinned(x: Array, y: Array, most: int) -> tuple[Array, Array]:
-    """At most ``most`` points that keep every peak: the lowest and the highest of equal stretches."""
+    """Of x, y (n,) at most ``most`` points that keep every peak: the lowest and the highest of equal stretches."""
     if x.size <= most:
         return x, y
     edges = np.linspace(0, x.size, most // 2 + 1).astype(int)[:-1]

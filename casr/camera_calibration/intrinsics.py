@@ -28,7 +28,7 @@ class View:
     image_px: NDArray[np.float32]
 
     def hull_px(self) -> NDArray[np.float32]:
-        """(K, 2) convex outline of the corners in the picture."""
+        """(K, 2) convex outline of the corners in the picture, px."""
         hull: NDArray[np.float32] = cv2.convexHull(self.image_px)[:, 0, :].astype(np.float32)
         return hull
 
@@ -49,7 +49,7 @@ def unusable(view: View, n_corners: int) -> str | None:
 
 
 def covered(views: list[View], width_px: int, height_px: int) -> float:
-    """Part of the image, 0 to 1, that lies inside the corners of at least one view."""
+    """Part of the image, 0 to 1, that lies inside the corners of at least one view. Sizes of the image in px."""
     mask = np.zeros((height_px, width_px), dtype=np.uint8)
     for view in views:
         cv2.fillConvexPoly(mask, np.rint(view.hull_px()).astype(np.int32), 1)
@@ -117,9 +117,10 @@ class Calibration:
 
 
 def calibrate(views: list[View], width_px: int, height_px: int, *, n_distortion: int = 5) -> Calibration:
-    """The camera that saw these views.
+    """The camera that saw these views (cv2.calibrateCamera, after Zhang 2000).
 
-    views : none of them `unusable`. width_px, height_px : of every picture.
+    views : none of them `unusable`.
+    width_px, height_px : of every picture, px.
     n_distortion : coefficients to fit, a key of `OPENCV_FLAGS`; the others are 0.
     CameraError : too few views, too little of the image covered, a focal length that the views do not determine, or
         corners that no camera of this kind puts where they are.

@@ -35,7 +35,7 @@ def _refused(what: str, text: str) -> argparse.ArgumentTypeError:
 
 
 def numbers(text: str, count: int | None = None) -> tuple[float, ...]:
-    """Finite numbers between commas."""
+    """Finite numbers between commas. ArgumentTypeError : others, or not ``count`` of them."""
     try:
         found = tuple(float(part) for part in text.split(","))
     except ValueError:
@@ -52,14 +52,14 @@ def number(text: str) -> float:
 
 
 def positive(text: str) -> float:
-    """A number above 0."""
+    """A number above 0. ArgumentTypeError : another."""
     if (value := number(text)) <= 0:
         raise _refused("a number above 0", text)
     return value
 
 
 def not_negative(text: str) -> float:
-    """A number from 0."""
+    """A number from 0. ArgumentTypeError : another."""
     if (value := number(text)) < 0:
         raise _refused("a number from 0", text)
     return value
@@ -69,7 +69,7 @@ count = wanted("a whole number from 0", whole(0))
 
 
 def frame_pair(text: str) -> tuple[int, int]:
-    """``"0,12"``: two different frame indices."""
+    """``"0,12"``: two different frame indices. ArgumentTypeError : other text."""
     first, second = numbers(text, 2)
     if first == second or min(first, second) < 0 or not (first.is_integer() and second.is_integer()):
         raise _refused("two different frame numbers from 0, such as 0,12", text)

@@ -38,6 +38,10 @@ USELESS = 0.2
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Solve the tables that are not there yet. Returns 1 where one is not solved or of no use.
+
+    SettingError : ``--page`` is a folder, or ``--out`` a file.
+    """
     from casr.dome.solver.cases import AREA_AT_N, dome_radius_mm, solve
     from casr.dome.solver.sensor_file import read_sensor
 

@@ -32,6 +32,10 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Score one press or a folder of presses. Returns 1 where one is not scored.
+
+    SettingError : one force log for several presses.
+    """
     shared.check_forces(arguments)
     from casr.frame_files import find_presses
     from casr.page import text

@@ -37,6 +37,10 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Identify the sensor. Returns 1 where presses are not used, or do not fit one sensor.
+
+    SettingError : the file of ``--out`` is there and may not be replaced.
+    """
     from casr.atomic import write_text_atomic
     from casr.dome.library import tables_of
     from casr.kappa.posterior import CONTRADICTED

@@ -39,6 +39,10 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Score a press frame by frame and print each.
+
+    SettingError : no frame with a force, or ``--follow`` with a file.
+    """
     shared.check_forces(arguments)
     from casr.frame_files.growing import GrowingPress
     from casr.page import text

@@ -95,7 +95,7 @@ class DisplacementField:
         return self._target - strengths[..., :1] * bent - strengths[..., 1:] * stretched, strengths
 
     def trusting(self, p: Array) -> DisplacementField:
-        """The same field with less trust in pins far from the contact or far off the model."""
+        """The same field with less trust in pins far from the contact p (6,) or far off the model (Huber's weights)."""
         off = np.abs(self.residuals(p[None])[0][0].view(np.complex128)) / self._root
         limit = HUBER_LIMIT * max(float(median(off)), 1e-9)
         edges = np.abs(self.rest - (p[0] + 1j * p[1])) / np.exp(p[2])
@@ -103,6 +103,7 @@ class DisplacementField:
         return DisplacementField(self.rest, self.displacement, self.middle, trust)
 
     def cost(self, p: Array) -> float:
+        """Sum of squared residuals at parameters (6,), px2 times trust."""
         return float((self.residuals(p[None])[0] ** 2).sum())
 
     def derivatives(self, p: Array) -> Array:
@@ -112,7 +113,7 @@ class DisplacementField:
         return np.asarray((ahead - behind) / (2 * STEPS[:, None]))
 
     def lowest(self, starts: list[Array], enough: float = ENOUGH) -> Array:
-        """The best of the minima that these lead to."""
+        """The best (6,) of the minima that these starts (6,) lead to."""
         return min(self.minimised(np.array(starts), enough), key=self.cost)
 
     def minimised(self, p: Array, enough: float) -> Array:
@@ -154,7 +155,7 @@ class DisplacementField:
         return np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian)) * self.cost(p) / freedom)
 
     def explained(self, p: Array) -> float:
-        """Share of the squared displacement, without the shift."""
+        """Share of the squared displacement that parameters (6,) explain, without the shift."""
         return 1 - self.cost(p) / max(float((self._target**2).sum()), 1e-300)
 
 

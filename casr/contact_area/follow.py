@@ -138,7 +138,7 @@ class FrontSoFar:
         "Of the last frames."
 
     def of(self, rest_px: Array, pins_px: Array) -> ContactFront:
-        """The contact in the T frames so far; arguments and errors of ``contact_front``."""
+        """The contact in the T frames so far: pins (N, 2) at rest and (T, N, 2), px. Errors of ``contact_front``."""
         if self._fits is None or len(pins_px) >= MUST_FIND * self._found_in:
             self._find(rest_px, pins_px, looks=2)
         elif len(pins_px) > len(self._held):
@@ -148,7 +148,10 @@ class FrontSoFar:
 
     def settle(self, rest_px: Array, pins_px: Array) -> None:
         """Find centre and worlds again if there are many more frames than when they were found: work for the time in
-        which no frame waits."""
+        which no frame waits.
+
+        rest_px, pins_px : (N, 2) and (T, N, 2), px.
+        """
         if len(pins_px) >= max(MAY_FIND * self._found_in, FEWEST_FRAMES):
             self._find(rest_px, pins_px, looks=1)
 

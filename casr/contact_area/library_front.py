@@ -38,7 +38,7 @@ class FrontEdge:
         self.pitches = self._arc_mm / (INNER_RADIUS_MM * float(np.median(angles.min(axis=1))))
 
     def outline_px(self) -> Array:
-        """(T, M, 2) where tips of pins on the edge would be seen."""
+        """(T, M, 2) px: where tips of pins on the edge would be seen."""
         fit, library = self._fit, self._library
         turn = np.linspace(0, 2 * np.pi, _OUTLINE, endpoint=False)
         across = np.linalg.svd(fit.axis[None])[2][1:]
@@ -116,8 +116,9 @@ def found_fits(
 ) -> list[HeldFit]:
     """The worlds that explain T frames best, for each of the sensors that it may be, pulled along the surface or not.
 
-    rest_px, pins_px, camera : of ``library_front``. near : earlier fits of the same press, from whose centres new ones
-    and their worlds are found. looks : of ``fit_front``.
+    rest_px, pins_px : (N, 2) and (T, N, 2), px. camera : of ``library_front``.
+    near : earlier fits of the same press, from whose centres new ones and their worlds are found.
+    looks : of ``fit_front``.
     """
     flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
     views, free = _views(flat_rest, camera)[0], camera is not None
@@ -191,7 +192,7 @@ class HeldFront:
         return len(self._pins_px)
 
     def add(self, pins_px: Array) -> None:
-        """Further frames."""
+        """Further frames: pins (T, N, 2), px."""
         flat_pins = undistorted(pins_px, self._camera)
         for fit in self._fits:
             fit.add(flat_pins)
@@ -308,8 +309,11 @@ def dome_scale(camera: Camera | None) -> float:
 
 
 def worlds_for(camera: Camera | None, domes: str | None, specimen_height_mm: float | None) -> Library:
-    """What the front of a press of this sensor is held against; arguments as in ``casr.ScoreSettings``, errors of
-    ``casr.dome.library.worlds`` and ``height_in_tables``."""
+    """What the front of a press of this sensor is held against.
+
+    domes : folder of a lab's own tables. specimen_height_mm : of the specimen, mm; None: tables of any height.
+    Errors of ``casr.dome.library.worlds`` and ``height_in_tables``.
+    """
     return worlds(domes, height_in_tables(camera, domes, specimen_height_mm))
 
 

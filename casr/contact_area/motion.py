@@ -68,12 +68,12 @@ class PinMotion:
 
     @cached_property
     def apart_px(self) -> Array:
-        """(n, n) distances between pins at rest."""
+        """(n, n) distances between pins at rest, px."""
         return np.asarray(np.hypot(*(self.rest_px[:, None] - self.rest_px[None]).transpose(2, 0, 1)))
 
     @cached_property
     def distance_px(self) -> Array:
-        """(n,) how far each pin moved."""
+        """(n,) how far each pin moved, px."""
         return np.asarray(np.hypot(*self.displacement_px.T))
 
 

@@ -104,7 +104,10 @@ def initial_area(
 
 
 def edge_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
-    """Ellipse at the contact edge as it lies in the first-contact frame; where the fit is not sound, hexagons."""
+    """Ellipse at the contact edge as it lies in the first-contact frame; where the fit is not sound, hexagons.
+
+    threshold_px : of the hexagons, px. NoContactError : no pin moved that far.
+    """
     found = _within_edge(motion, camera)
     if isinstance(found, InitialArea):
         return found
@@ -137,7 +140,8 @@ def _doubt(edge: ContactEdge) -> str | None:
 
 
 def circle_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
-    """Circle around the pin nearest the middle of the array through the pin farthest from it."""
+    """Circle around the pin nearest the middle of the array through the pin farthest from it: the way before the paper.
+    ``threshold_px`` (px) has no part in it."""
     rest = motion.rest_px
     centre = rest[np.argmin(((rest - rest.mean(axis=0)) ** 2).sum(axis=1))]
     region = Region.circle(float(centre[0]), float(centre[1]), float(np.hypot(*(rest - centre).T).max()))
@@ -154,7 +158,10 @@ def _within(
 
 
 def hexagon_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
-    """Pins that moved more than the threshold and those they enclose."""
+    """Pins that moved more than ``threshold_px`` and those they enclose, a hexagon each (paper, eq. 3).
+
+    NoContactError : no pin moved more than that, px.
+    """
     moved = motion.distance_px > threshold_px
     if not moved.any():
         raise _none_moved(motion, motion.distance_px, f"{threshold_px:g} px from the rest frame")
@@ -169,7 +176,8 @@ def hexagon_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) 
 
 
 def paper_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
-    """Algorithm 1 as it must be meant: whole-pixel centroids, each pin against itself in the other frame."""
+    """Algorithm 1 as it must be meant: whole-pixel centroids, each pin against itself in the other frame.
+    NoContactError : none moved more than ``threshold_px``."""
     moved_px = np.hypot(*(np.trunc(motion.contact_px) - np.trunc(motion.rest_px)).T)
     moved = moved_px > threshold_px
     if not moved.any():
@@ -182,6 +190,7 @@ def printed_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) 
 
     ``signpin.append`` runs for each pair further apart than the threshold, so a pin counts once for nearly every pin of
     the other frame and a motionless array of N pins has N (N - 1) hexagons.
+    NoContactError : no two pins are further apart than the threshold.
     """
     first, second = np.trunc(motion.rest_px), np.trunc(motion.contact_px)
     apart_px = np.hypot(*(first[:, None] - second[None]).transpose(2, 0, 1))

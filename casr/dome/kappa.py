@@ -21,14 +21,15 @@ def punch_on_half_space_mm(punch_mm: float, poisson: float = 0.0) -> float:
 
 
 def plate_on_cylinder_mm(radius_mm: float, height_mm: float, *, bonded: bool = False) -> float:
-    """Plate on the whole face of an incompressible cylinder, whose two ends slide or both cannot (Gent and Lindley
-    1959, Proceedings of the Institution of Mechanical Engineers 173, 111)."""
+    """Length kappa/E, mm, of a plate on the whole face of an incompressible cylinder, whose two ends slide or both
+    cannot (Gent and Lindley 1959, Proceedings of the Institution of Mechanical Engineers 173, 111)."""
     stiffer = 1 + (radius_mm / height_mm) ** 2 / 2 if bonded else 1.0
     return math.pi * radius_mm**2 / height_mm * stiffer
 
 
 def punch_on_thin_layer_mm(punch_mm: float, height_mm: float) -> float:
-    """Punch without friction on an incompressible layer, bonded to a plate, far thinner than the punch is wide.
+    """Length kappa/E, mm, of a punch without friction on an incompressible layer, bonded to a plate, far thinner than
+    the punch is wide.
 
     Lubrication theory of the rubber that is squeezed outward: pressure 3 mu depth (a^2 - r^2) / (4 h^3), mu = E / 3.
     The rubber bulges beyond the rim, as under a punch that is wider.

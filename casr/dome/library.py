@@ -129,7 +129,7 @@ class Library:
 
 
 def gather(tables: Sequence[ContactTable], *, radius_step_mm: float, arc_step_mm: float) -> Library:
-    """The tables on one grid of radii and arcs."""
+    """The tables on one grid of radii and arcs, steps in mm; arcs end where the shortest table does."""
     radius = np.arange(1.0, LAST_RADIUS_MM + radius_step_mm / 2, radius_step_mm)
     arc = np.arange(0.0, min(table.s_mm[-1] for table in tables), arc_step_mm)
     gridded = [_by_radius(table, radius, arc) for table in tables]
@@ -310,7 +310,7 @@ def read_library(folder: Path) -> Library:
 
 @cache
 def shipped(name: str = SHIPPED) -> Library:
-    """A library that comes with casr."""
+    """A library that comes with casr. SettingError : the file is not the one that casr was made with."""
     data = resources.files("casr.dome").joinpath(name).read_bytes()
     if hashlib.sha256(data).hexdigest() != DIGESTS[name]:
         raise SettingError(
@@ -335,7 +335,11 @@ def worlds(folder: str | None = None, height_mm: float | None = None) -> Library
 
 @cache
 def tables(folder: str | None = None, height_mm: float | None = None) -> Library:
-    """The same without what lies between the tables."""
+    """``worlds`` without what lies between the tables.
+
+    folder : of a lab's own tables. height_mm : of the specimen, mm.
+    SettingError : the arcs of the folder's tables end before those that come with casr; also as ``of_height``.
+    """
     ours = shipped()
     if height_mm is not None:
         return of_height(tables(folder), height_mm)

@@ -37,7 +37,7 @@ class DomeView:
 
     @property
     def tip_radius_mm(self) -> float:
-        """Of the sphere that the tips lie on at rest."""
+        """Radius of the sphere that the tips lie on at rest, mm."""
         return self.inner_radius_mm - self.pin_length_mm
 
     @property
@@ -97,7 +97,7 @@ class PinsAroundAxis:
         return self.view.inner_radius_mm * self.angle
 
     def of(self, pins: slice) -> PinsAroundAxis:
-        """Some of the pins."""
+        """Some of the pins: n of the N, with arrays (n, 3) and (n,)."""
         axis = np.broadcast_to(self.axis, self.directions.shape)[pins]
         return PinsAroundAxis(self.view, self.directions[pins], axis, self.outward[pins], self.angle[pins])
 
@@ -108,10 +108,10 @@ class PinsAroundAxis:
         tilt_rad: NDArray[Real],
         pulled_mm: NDArray[Real] | None = None,
     ) -> NDArray[Real]:
-        """(N, 2, ...) px from rest, of displacements (N, ...) of the skin under the pins across and along the axis.
+        """(N, 2, ...) px from rest, of displacements (N, ...) of the skin under the pins across and along the axis, mm,
+        and its tilt there, rad.
 
-        ``pulled_mm``: (N, 3, ...) more that friction adds.
-
+        ``pulled_mm`` : (N, 3, ...) more that friction adds, mm.
         A pin is stiff and stands square on the skin, so its tip turns with it. An axis that is not the dome's own is an
         assumption: it takes the clamped base for as far away from that contact as from one at the pole.
         """

@@ -65,7 +65,7 @@ def level_table(rows: int, columns: int) -> Table:
 
 @kernel
 def level(work: Floats, table: Table, index: int) -> Floats:
-    """Planes of one level, a view."""
+    """Planes of one level of the store (n,): a view (7, 2, rows + 2, half + 2)."""
     rows, half, offset = table[index]
     size = PLANES * 2 * (rows + 2) * (half + 2)
     return work[offset : offset + size].reshape((PLANES, 2, rows + 2, half + 2))
@@ -73,8 +73,8 @@ def level(work: Floats, table: Table, index: int) -> Floats:
 
 @kernel
 def neighbours(f: Floats, c: int, y: int) -> tuple[Rows, Rows]:
-    """Flow around colour c in array row y, u then v: the rows above and below, and the row whose [k] and [k + 1] lie
-    beside cell k."""
+    """Flow around colour c in array row y of planes (7, 2, rows + 2, half + 2), u then v: the rows above and below, and
+    the row whose [k] and [k + 1] lie beside cell k."""
     u, v, shift = f[U, 1 - c], f[V, 1 - c], (y - 1 + c) % 2
     return (u[y - 1], u[y + 1], u[y, shift:]), (v[y - 1], v[y + 1], v[y, shift:])
 
@@ -90,7 +90,10 @@ def put_row(plane: Floats, y: int, row: Floats) -> None:
 
 @kernel
 def take_row(plane: Floats, y: int, near: int, row: Floats) -> None:
-    """Three quarters of array row y of a plane and a quarter of its row near; row[j + 1] is column j, ends repeated."""
+    """Three quarters of array row y of a plane and a quarter of its row near; row[j + 1] is column j, ends repeated.
+
+    plane : (2, rows + 2, half + 2). row : (2 half + 2,), is filled.
+    """
     quarter = row.dtype.type(0.25)
     even, odd = plane[(y - 1) % 2, y], plane[y % 2, y]
     near_even, near_odd = plane[(near - 1) % 2, near], plane[near % 2, near]

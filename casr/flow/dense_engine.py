@@ -205,11 +205,17 @@ class DenseEngine:
         self._method, self._core_fraction, self.start_notes = method, core_fraction, (doubt,)
 
     def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
+        """Take the first frame. SettingError : the region lies outside the image. ``pins_px`` (N, 2) px has no part in
+        it."""
         self._detail = detail_of(image, region)  # a region outside the image is an error of the first frame
         self._method.start(image)
         self._region = region
 
     def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
+        """Growth of the region from the frame before to this one; the region goes on as the map of its core says.
+
+        ``pins_px`` (N, 2) px has no part in it.
+        """
         core = self._region.scaled(self._core_fraction)
         fit = fit_field(self._method.step(image, core.box(image.shape)), core, self._detail)
         before, self._region = self._region, self._region.advanced(fit)
@@ -230,10 +236,13 @@ class ImageEngine:
         self._method, self.start_notes = method, (DOUBT,)
 
     def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
+        """Take the first frame. ``pins_px`` (N, 2) px has no part in it."""
         self._method.start(image)
         self._region = region
 
     def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
+        """Mean divergence of the whole image from the frame before to this one. ``pins_px`` (N, 2) px has no part in
+        it."""
         height, width = image.shape
         flow = self._method.step(image, (0, 0, width, height))
         mean = float(divergence(flow.astype("float32", copy=False)).mean())

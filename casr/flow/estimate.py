@@ -44,10 +44,13 @@ class PluginEngine:
             self._engine: Any = make(settings)
 
     def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
+        """``Engine.start`` of the other package, pins (N, 2) px. PluginError : it failed."""
         with self._faults("an engine that takes the first frame"):
             self._engine.start(image, region, pins_px)
 
     def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
+        """``Engine.step`` of the other package, pins (N, 2) px. PluginError : it failed, or what it returned is no
+        finite FlowStep."""
         with self._faults("an engine that takes the next frame"):
             step = self._engine.step(image, pins_px)
         if not isinstance(step, FlowStep) or not np.isfinite([step.divergence, step.log_growth]).all():
@@ -103,6 +106,7 @@ class FlowTracker:
     def step(self, image: NDArray[Any], pins_px: Points | None = None) -> FlowStep:
         """Growth of the region from the frame before to this one. Identical frames give exactly 0.
 
+        image : (H, W) or (H, W, 3). pins_px : (N, 2) px, where they are followed already.
         PinsError : too few of the region's pins are left (``pin-affine``).
         ImageError : not an image, another size than the first, or nothing was started.
         """

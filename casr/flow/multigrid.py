@@ -86,7 +86,11 @@ def _put_cells(row: Floats, spare: Floats, cell_px: int, plane: Floats, y: int) 
 
 @kernel
 def data_term(first: Floats, second: Floats, margin: int, cell_px: int, f: Floats, sums: Floats) -> None:
-    """Fill the planes A11 ... B2 of the finest level with the sums over its cells, margin px at the edges left out."""
+    """Fill the planes A11 ... B2 of the finest level with the sums over its cells, margin px at the edges left out
+    (Horn and Schunck 1981, Artificial Intelligence 17, 185).
+
+    first, second : frames (H, W). f : (7, 2, rows + 2, half + 2). sums : (2, 5, W), room to work in.
+    """
     rows = f.shape[2] - 2
     inner = slice(margin, max(first.shape[1] - margin, margin))
     for y in range(1, rows + 1):

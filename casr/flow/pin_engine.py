@@ -148,6 +148,7 @@ class PinEngine:
         self._tracker = PinTracker(settings.pins)
 
     def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
+        """Take the first frame, or its pins (N, 2) px, and choose those of the region."""
         start_px = pins_px if pins_px is not None else self._tracker.start(image).centroids_px
         self._outwards = _outwards(region, start_px)
         self._ids, self.start_notes = _pins_of(region, start_px, self._outwards, self._settings.core_fraction)
@@ -158,6 +159,8 @@ class PinEngine:
         self._skin = _BulgingRegion(region, start_px[self._ids])
 
     def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
+        """Growth by the region's pins (N, 2) px in this frame. PinsError : too few pins are seen in and beside the
+        region."""
         now_px = self._tracker.step(image) if pins_px is None else pins_px
         seen = np.isfinite(now_px[:, 0])
         if _span_a_plane(now_px[self._ids[seen[self._ids]]]):
@@ -209,7 +212,10 @@ class PinEngine:
 
 
 def need_pins_inside(region: Region, pins_px: Points) -> None:
-    """Raise SettingError for a region that somebody gives and that holds too few pins to measure its growth by."""
+    """Check a region that somebody gives against pins (N, 2), px.
+
+    SettingError : it holds too few of them to measure its growth by.
+    """
     inside = int(region.contains(pins_px[np.isfinite(pins_px[:, 0])]).sum())
     if inside < FEWEST_PINS:
         raise SettingError(

@@ -177,5 +177,5 @@ def most_levels(shape: tuple[int, ...]) -> int:
 
 
 def longest_px(flow: Floats) -> float:
-    """Largest component of a flow, px."""
+    """Largest component of a flow (H, W, 2), px."""
     return cv2.norm(flow.reshape(len(flow), -1), cv2.NORM_INF)

@@ -65,7 +65,11 @@ class Region:
 
     @classmethod
     def ellipse(cls, x_px: float, y_px: float, a_px: float, b_px: float, *, turn_deg: float = 0.0) -> Region:
-        """An ellipse with half axis ``a_px`` along the direction ``turn_deg`` from x towards y and ``b_px`` across."""
+        """An ellipse with half axis ``a_px`` along the direction ``turn_deg`` (degrees) from x towards y and ``b_px``
+        across.
+
+        SettingError : a half axis that is not above 0 px.
+        """
         if not (a_px > 0 and b_px > 0):
             raise SettingError(
                 "region", wanted="half axes above 0 px", found=f"{a_px:g} and {b_px:g}", do="Give a radius in pixels."
@@ -89,7 +93,7 @@ class Region:
 
     @classmethod
     def parse(cls, text: str) -> Region:
-        """A circle written ``x,y,radius`` in pixels, as the command line takes it."""
+        """A circle written ``x,y,radius`` in pixels, as the command line takes it. SettingError : other text."""
         try:
             x_px, y_px, radius_px = (float(part) for part in text.split(","))
         except ValueError:
@@ -162,7 +166,8 @@ class Region:
         return np.asarray(crossings.sum(axis=1) % 2 == 1)
 
     def box(self, shape: tuple[int, ...], *, margin_px: float = 0.0) -> tuple[int, int, int, int]:
-        """Smallest box (x0, y0, x1, y1), half open, around the region and a margin, clipped to an image of this shape.
+        """Smallest box (x0, y0, x1, y1), px, half open, around the region and a margin, clipped to an image of this
+        shape.
 
         SettingError : the region lies outside the image.
         """

@@ -133,7 +133,7 @@ class Engine(Protocol):
     """One way to measure it; what a tracker drives."""
 
     def start(self, image: Grey, region: Region, pins_px: Points | None) -> None:
-        """Take the first frame, the region in it and, where they are followed already, its pins."""
+        """Take the first frame, the region in it and, where they are followed already, its pins (N, 2), px."""
 
     def step(self, image: Grey, pins_px: Points | None) -> FlowStep:
-        """Take the next frame and, as at the start, its pins."""
+        """Take the next frame and, as at the start, its pins (N, 2), px."""

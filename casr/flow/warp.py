@@ -59,7 +59,8 @@ def warp(image: Floats, flow: Floats, margin: int) -> Floats:
 
 
 def halved(image: Floats) -> Floats:
-    """Half-size image, (ceil H/2, ceil W/2): blurred by sigma 0.8 px against aliasing, then four pixels averaged."""
+    """Half-size image of one (H, W), (H + 1) // 2 by (W + 1) // 2: blurred by sigma 0.8 px against aliasing, then four
+    pixels averaged."""
     height, width = image.shape
     blurred = cv2.GaussianBlur(image, (0, 0), 0.8, borderType=cv2.BORDER_REPLICATE)
     even = cv2.copyMakeBorder(blurred, 0, height % 2, 0, width % 2, cv2.BORDER_REPLICATE)

@@ -59,8 +59,10 @@ def read_force_log(path: Path | str, *, column: str = "force_n") -> ForceLog:
 
 
 def read_growing_log(path: Path, *, column: str = "force_n") -> ForceLog | None:
-    """The log that somebody is writing, as far as its lines are whole; None before the first row. Errors as
-    `read_force_log`."""
+    """The log that somebody is writing, as far as its lines are whole; None before the first row.
+
+    column : of the forces, N. Errors as `read_force_log`.
+    """
     text = _text(path)
     lines = text[: text.rfind("\n") + 1].splitlines()
     return None if len(_content(lines)) < 2 else _log_of(_table_of(path, lines), column)

@@ -88,7 +88,7 @@ class GrowingPress:
             yield NewFrame(index, image, float(times_s[index]), float(forces[index]))
 
     def follow(self, idle_s: float, waiting: Callable[[], None]) -> Iterator[NewFrame]:
-        """Frames as they come, until after the first frame or the force of one nothing new has come for ``idle_s``.
+        """Frames as they come, until after the first frame or the force of one nothing new has come for ``idle_s``, s.
 
         waiting : called once where nothing is there yet. Raises as ``new_frames``.
         """

@@ -55,7 +55,10 @@ class PageFrames(OneSize):
 
 
 def image_in(file: Path, how: int) -> tuple[NDArray[Any] | None, str]:
-    """Pixels by ``cv2.imdecode``; None where the file is no image, and what it is then. FramesError : unreadable."""
+    """Pixels (H, W) or (H, W, 3) by ``cv2.imdecode``; None where the file is no image, and what it is then.
+
+    FramesError : unreadable.
+    """
     try:
         data = file.read_bytes()
     except OSError as error:
@@ -83,6 +86,7 @@ class NpyFrames:
         return self._n
 
     def read(self, index: int) -> Grey:
+        """Frame of this index. FramesError : the file cannot be read, or ends before the frame does."""
         n_values = math.prod(self._frame_shape)
         offset = self._start + index * n_values * self._dtype.itemsize
         try:

@@ -23,6 +23,7 @@ _BLOCK = 32
 
 
 def open_file(path: Path) -> TiffFrames:
+    """The frames of a file. FramesError : it cannot be read, or is no TIFF."""
     complaints = _Complaints()
     tifffile.logger().addHandler(complaints)
     try:

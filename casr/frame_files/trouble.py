@@ -58,6 +58,7 @@ class OneSize(ABC):
         return self._path
 
     def read(self, index: int) -> Grey:
+        """Frame of this index. FramesError : it is damaged, or has another size than the first."""
         frame = self._decoded(index)
         if frame.shape != self.shape:
             raise FramesError(

@@ -61,7 +61,7 @@ class RestingForce:
         return first_n if first_n >= self._start_n / 2 else 0.0
 
     def touches(self, force_n: float) -> bool:
-        """Whether the next frame, of this force as logged, is in contact. NaN is not."""
+        """Whether the next frame, of this force as logged, N, is in contact. NaN is not."""
         if np.isnan(force_n):
             return False
         if not self._touched and not self._rest_n and force_n >= self._start_n:
@@ -98,7 +98,10 @@ def _resting_band(force_n: _Array, start_n: float) -> _Array:
 
 
 def force_zero(force_n: ArrayLike, start_n: float) -> ForceZero | None:
-    """The zero of a whole recording of forces (T,), NaN where not known; None where its rest does not tell it."""
+    """The zero of a whole recording of forces (T,), N, NaN where not known; None where its rest does not tell it.
+
+    start_n : force of first contact, N.
+    """
     rest = RestingForce(start_n)
     for reading in np.asarray(force_n, dtype=np.float64).ravel().tolist():
         if rest.touches(reading):
@@ -107,7 +110,7 @@ def force_zero(force_n: ArrayLike, start_n: float) -> ForceZero | None:
 
 
 def notes_on_zero(zero: ForceZero | None, start_n: float) -> tuple[str, ...]:
-    """What a reader of tared forces should know of their zero."""
+    """What a reader of tared forces should know of their zero. start_n : force of first contact, N."""
     if zero is None:
         return (
             f"the force's zero is not determined and nothing is taken off: fewer than {FEWEST_AT_REST} frames at one "

@@ -71,7 +71,7 @@ def _of_width(y: _Array, width: int, least_n: float) -> NDArray[np.intp]:
 
 
 def note_on_spikes(found: NDArray[np.bool_], force_n: _Array, what: str) -> tuple[str, ...]:
-    """What was left out of ``what``, such as rows of the force log."""
+    """What was left out of ``what``, such as rows of the force log. found : (n,), of forces (n,), N."""
     if not found.any():
         return ()
     farthest_n = float(force_n[found][np.argmax(np.abs(force_n[found]))])

@@ -100,7 +100,7 @@ class Family:
         return self.at(place, self.log_kappa0)
 
     def world(self, place: float, z: float, stick: float, log_kappa0: float, bend: Array | None = None) -> World:
-        """The world at a place of the family, and off it by shares of its ``bends``."""
+        """The world at a place of the family, and off it by shares (B,) of its ``bends``."""
         between = self._between.weights(place) + (0.0 if bend is None else bend @ self.bends)
         if z not in self._at_z:  # most changes of a world leave its z
             every = [[s.weights(z) for s in splines] for splines in (self._spline, self._force_spline)]
@@ -127,7 +127,8 @@ class Family:
         return np.asarray(mixed.reshape(*weights.shape[:-1], -1, self.arc_mm.size, 3))
 
     def computed_mm(self, world: World) -> float:
-        """Contact radius up to which the tables that matter to a world were computed; beyond it they are continued."""
+        """Contact radius, mm, up to which the tables that matter to a world were computed; beyond it they are
+        continued."""
         return float(self._computed_mm[np.abs(world.motion) >= _MATTERS].min())
 
     def log_force(self, world: World) -> Array:

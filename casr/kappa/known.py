@@ -88,7 +88,7 @@ class KnownSensor:
 
     @property
     def with_travel(self) -> NDArray[np.intp]:
-        """Presses whose travel is known."""
+        """Rows (K,) of the presses whose travel is known."""
         return np.flatnonzero([press.travel_mm_per_n is not None for press in self.presses])
 
     @property
@@ -97,7 +97,8 @@ class KnownSensor:
         return Discrepancy().scaled(max(self.misfit / USUAL_MISFIT, 1.0))
 
     def prior(self, mountings: Sequence[str]) -> tuple[Array, Array]:
-        """Mean and precision of ``SHARED`` and depths of these mountings, for a press that comes."""
+        """Mean (S + M,) and precision (S + M, S + M) of ``SHARED`` and depths of these M mountings, for a press that
+        comes."""
         there = [name for name in mountings if name in self.mountings]
         at = self._shared_and(there)
         rows = [*range(len(SHARED)), *(len(SHARED) + mountings.index(name) for name in there)]

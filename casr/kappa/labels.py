@@ -42,7 +42,7 @@ class SensorErrors:
     depth: float = DEPTH_SD_OF_SENSOR
 
     def prior(self, mountings: Sequence[str]) -> tuple[Array, Array]:
-        """See ``Sensor``."""
+        """See ``Sensor``: (S + M,) and (S + M, S + M), diagonal."""
         sd = [PLACE_SD, self.pin_length_mm, self.depth, self.pole_px, self.pole_px, *[BEND_SD] * len(BENDS)]
         sd += [DEPTH_SD_OF_MOUNTING] * len(mountings)
         return np.append(_PLACE, np.zeros(len(sd) - 1)), np.diag(np.array(sd, dtype=np.float64) ** -2)
@@ -52,7 +52,7 @@ class Sensor(Protocol):
     """What is known of a sensor before its presses."""
 
     def prior(self, mountings: Sequence[str]) -> tuple[Array, Array]:
-        """Mean and precision of ``SHARED`` and of the depth of each of these mountings."""
+        """Mean (S + M,) and precision (S + M, S + M) of ``SHARED`` and of the depth of each of these M mountings."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,8 @@ def labelled(
     """Fit all presses of a sensor by the worlds of one family.
 
     thorough : from several places of the family, of which the best fit is taken: where the sensor is hardly known.
-    least_misfit_px : that they are taken to leave over. start : of the same presses, with fewer frames perhaps.
+    least_misfit_px : root mean square, px, that they are taken to leave over.
+    start : of the same presses, with fewer frames perhaps.
     """
     starts = [(place,) for place in _PLACES] if thorough else [_PLACES]
     fits = [_Fit(fields, sensor, least_misfit_px).result(each, start) for each in starts]

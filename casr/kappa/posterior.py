@@ -270,7 +270,7 @@ class Posterior:
         return low, kappa, high
 
     def z(self, kappa: Array | float) -> Array:
-        """That kappa, N/mm, has on this dome."""
+        """z that kappa, N/mm, has on this dome: scalar or array, of the shape of ``kappa``."""
         return np.asarray(1 / (1 + kappa / self.kappa0))
 
     @property

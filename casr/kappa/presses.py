@@ -89,7 +89,10 @@ class KappaPress:
         )  # fmt: skip
 
     def seen(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Frames in which most pins are seen, and pins that are seen in all of them. PinsError : too few of either."""
+        """Frames (F,) in which most pins are seen, and pins (K,) that are seen in all of them.
+
+        PinsError : too few of either.
+        """
         seen = np.isfinite(self.pins_px[..., 0])
         count = seen.sum(axis=1)
         frames = np.flatnonzero(count >= MOST_SEEN * np.median(count))

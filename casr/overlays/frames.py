@@ -61,7 +61,8 @@ def area_picture(
 ) -> Picture:
     """The initial area of the skin on the first-contact frame: a hexagon about each counted pin, and its outline.
 
-    region_px : (K, 2) outline that growth is measured in, where there is one.
+    contact_image : (H, W) or (H, W, 3). rest_px, contact_px : (N, 2), px.
+    region_px : (K, 2) outline, px, that growth is measured in, where there is one.
     """
     axes = photo(contact_image, view_of(rest_px, contact_image, 1.5 * pin_pitch_px(rest_px)))
     by_hexagons = initial.rule in ("hexagon", "paper")
@@ -101,7 +102,8 @@ _DIVERGING = ("#2d004b", "#5f3a91", "#9990bf", "#cfcfe5", "#f7f7f6", "#fed59f", 
 
 
 def edges_picture(last_image: NDArray[Any], score: Score) -> Picture:
-    """Over the last frame the front in a few frames, early ones dark and thin, and the first contact's skin."""
+    """Over the last frame (H, W) or (H, W, 3) the front in a few frames, early ones dark and thin, and the first
+    contact's skin."""
     front, skin_px = score.front, (score.regions[0], score.regions[-1])
     determined = np.flatnonzero(front.determined & (score.front_doubt == ""))
     n_shown = min(len(_EARLY_TO_LATE), determined.size)
@@ -188,7 +190,10 @@ def flow_picture(image: NDArray[Any], flow: NDArray[np.float32], region_px: NDAr
 
 
 def photo(image: NDArray[Any], view: View, *, bar: bool = False) -> Axes:
-    """Axes over a dimmed frame; pixel centres at whole numbers, y down. bar : there is to be one beside them."""
+    """Axes over a dimmed frame (H, W) or (H, W, 3); pixel centres at whole numbers, y down.
+
+    bar : there is to be one beside them.
+    """
     left, top, right, bottom = view
     beside = _BAR if bar else 0
     width = _WIDE - beside
@@ -208,7 +213,7 @@ def _lay(axes: Axes, picture: NDArray[np.uint8], left_top: tuple[float, float]) 
 
 
 def view_of(points_px: NDArray[np.float64], image: NDArray[Any], margin_px: float) -> View:
-    """Left, top, right, bottom of the part of a frame that holds the points and a margin, px."""
+    """Left, top, right, bottom of the part of a frame (H, W) that holds the points (n, 2) and a margin, px."""
     low = np.maximum(np.nanmin(points_px, axis=0) - margin_px, -0.5)
     high = np.minimum(np.nanmax(points_px, axis=0) + margin_px, (image.shape[1] - 0.5, image.shape[0] - 0.5))
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])

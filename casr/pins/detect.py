@@ -34,12 +34,13 @@ class Blobs:
         return len(self.area_px)
 
     def pick(self, rows: NDArray[np.intp] | NDArray[np.bool_]) -> Blobs:
-        """The blobs of these rows."""
+        """The blobs of these rows: (k,) indices, or (n,) true and false."""
         return Blobs(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 def above_surroundings(image: Grey, block_px: int, contrast: float) -> tuple[Grey, NDArray[np.uint8]]:
-    """Grey levels above the mean of the ``block_px`` square around each pixel, and mask of those above ``contrast``."""
+    """Grey levels (H, W) above the mean of the ``block_px`` square around each pixel, and mask of those above
+    ``contrast``."""
     excess = cast(Grey, cv2.subtract(image, cv2.blur(image, (block_px, block_px))))
     return excess, _over(excess, contrast)
 
@@ -96,7 +97,7 @@ class Pins:
 
 
 def detect_pins(image: NDArray[Any], settings: PinSettings | None = None) -> Pins:
-    """Pins of one frame, grey, colour or binary.
+    """Pins of one frame (H, W) or (H, W, 3), grey, colour or binary (paper, Algorithm 1, steps 1 and 2).
 
     PinsError : fewer than three pins. ImageError : not an image.
     """
@@ -105,11 +106,10 @@ def detect_pins(image: NDArray[Any], settings: PinSettings | None = None) -> Pin
 
 
 def fit_view(image: NDArray[Any], settings: PinSettings) -> tuple[PinView, Pins]:
-    """How to look at frames like this one, and its pins in px of that view.
+    """How to look at frames like this one (H, W) or (H, W, 3), and its pins in px of that view.
 
     Pins of the pitch that the settings say; else of the usual one or, where those found stand in no order, of the one
     that the frame repeats itself with, whichever gives the more regular pins.
-
     PinsError : fewer than three pins. ImageError : not an image.
     """
     grey = as_grey(image)
@@ -145,7 +145,7 @@ def _irregularity(pins: Pins) -> float:
 
 
 def find_pins(grey: Grey, view: PinView) -> Pins:
-    """Sub-pixel pins of a frame that went through ``view.grey``, in its px."""
+    """Sub-pixel pins of a frame (H, W) that went through ``view.grey``, in its px. PinsError : fewer than three."""
     _check_count(grey, min(grey.size, FEWEST_PINS), view)  # OpenCV refuses to compare a single pixel
     count("pixels weighed", grey.size)
     excess, mask = above_surroundings(grey, view.block_px, view.contrast)

@@ -47,7 +47,7 @@ def _squared_distance(a_px: NDArray[np.float64], b_px: NDArray[np.float64]) -> N
 
 
 def pin_pitch_px(centroids_px: NDArray[np.float64]) -> float:
-    """Pin spacing: median distance to the nearest pin, px; NaN rows are left out; NaN below two pins."""
+    """Pin spacing: median distance to the nearest pin, px, of (N, 2) px; NaN rows are left out; NaN below two pins."""
     points = np.asarray(centroids_px, float)
     points = points[np.isfinite(points).all(axis=1)]
     if len(points) < 2:

@@ -75,7 +75,7 @@ class PinTracker:
         self._started = False
 
     def start(self, image: NDArray[Any]) -> Pins:
-        """Detect the pins of the first frame. Raises PinsError, ImageError as ``detect_pins``."""
+        """Detect the pins of the first frame (H, W) or (H, W, 3). Raises PinsError, ImageError as ``detect_pins``."""
         self._view, pins = fit_view(image, self._settings)
         self._frame = self._view.grey(image).copy()
         n = len(pins)

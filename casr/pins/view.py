@@ -163,7 +163,7 @@ class PinView:
 
     @classmethod
     def of_pitch(cls, image: NDArray[Any], pitch_px: float, settings: PinSettings) -> PinView:
-        """The view for pins of this pitch under the noise of this frame."""
+        """The view for pins of this pitch, px, under the noise of this frame (H, W) or (H, W, 3)."""
         reduction = max(1, int(pitch_px / SEEN_PITCH_PX))
         pitch_px /= reduction
         noise = noise_grey(reduced(as_grey(image), reduction))
@@ -183,7 +183,8 @@ class PinView:
         )
 
     def grey(self, image: NDArray[Any]) -> Grey:
-        """The frame as it is looked at: grey levels in which the pins are the bright part."""
+        """The frame (H, W) or (H, W, 3) as it is looked at: grey levels in which the pins are the bright part. Its
+        sides are divided by ``reduction``."""
         grey = reduced(as_grey(image), self.reduction)
         if self.settings.dark_pins:
             grey = 255 - grey
@@ -204,7 +205,7 @@ def noise_grey(grey: Grey) -> float:
 
 
 def line_noise(grey: Grey) -> NDArray[np.float64]:
-    """The same of each of some lines, black and white pixels included."""
+    """``noise_grey`` of each of some lines of a frame (H, W), (lines,) grey levels; black and white pixels included."""
     curved, _ = _curved_lines(grey)
     return np.asarray(np.median(curved, axis=1) / MEDIAN_OF_NORMAL, np.float64) if curved.size else np.zeros(1)
 

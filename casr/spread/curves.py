@@ -36,7 +36,7 @@ class PowerLaw:
     @overload
     def area(self, force_n: Vector) -> Vector: ...
     def area(self, force_n: float | Vector) -> float | Vector:
-        """Area at forces above 0."""
+        """Area at forces above 0, N: a scalar, or (n,)."""
         return self.coefficient * force_n ** (self.exponent + self.curvature * np.log(force_n))
 
     def mean_rate(self, low_n: float, high_n: float) -> float:
@@ -44,7 +44,7 @@ class PowerLaw:
         return float(self.area(high_n) - self.area(low_n)) / (high_n - low_n)
 
     def rate(self, force_n: Vector) -> Vector:
-        """dA/dF at forces above 0."""
+        """dA/dF at forces (n,) above 0, N: units of area for each N."""
         return (self.exponent + 2 * self.curvature * np.log(force_n)) * self.area(force_n) / force_n
 
 
@@ -65,7 +65,7 @@ class PowerLawFits:
     untold: Vector
 
     def mean_rates(self, low_n: float, high_n: float | Vector) -> Vector:
-        """(P,) as ``PowerLaw.mean_rate``; high_n : one or (P,)."""
+        """(P,) as ``PowerLaw.mean_rate``; low_n, high_n : N, the latter one or (P,)."""
         low, high = (np.exp((self.found * self._at(force_n)).sum(axis=1)) for force_n in (low_n, high_n))
         return np.asarray((high - low) / (high_n - low_n))
 

@@ -21,7 +21,10 @@ DIP_N = 0.2
 
 
 def frames_with_force(area: ArrayLike, force_n: ArrayLike) -> Points:
-    """The frames whose force is known; NaN marks an unknown force."""
+    """Areas and forces (n,), N, of the frames whose force is known, and notes; NaN marks an unknown force.
+
+    FramesError : not of one size, or an area of a known force or a force is not finite.
+    """
     area = np.asarray(area, dtype=np.float64).reshape(-1)
     force = np.asarray(force_n, dtype=np.float64).reshape(-1)
     known = ~np.isnan(force)
@@ -39,11 +42,11 @@ def frames_with_force(area: ArrayLike, force_n: ArrayLike) -> Points:
 
 
 def outside_dips(area: NDArray[np.float64], force_n: NDArray[np.float64]) -> Points:
-    """The frames that lie no more than ``DIP_N`` below an earlier force.
+    """The frames that lie no more than ``DIP_N`` below an earlier force. area, force_n : (n,), the latter in N.
 
-    When the force goes down and up again a contact keeps area that it had (hysteresis); from where the force was
-    before it grows on as if nothing had been. Falls within ``DIP_N`` are taken for noise and left to ``pooled``: to
-    keep rising frames only would choose those whose force reads too high.
+    When the force goes down and up again a contact keeps area that it had (hysteresis); from where the force was before
+    it grows on as if nothing had been. Falls within ``DIP_N`` are taken for noise and left to ``pooled``: to keep
+    rising frames only would choose those whose force reads too high.
     """
     kept = force_n >= np.maximum.accumulate(force_n) - DIP_N if force_n.size else np.ones(0, dtype=np.bool_)
     lost = int(force_n.size - kept.sum())
@@ -54,6 +57,7 @@ def outside_dips(area: NDArray[np.float64], force_n: NDArray[np.float64]) -> Poi
 def pooled(area: NDArray[np.float64], force_n: NDArray[np.float64]) -> Points:
     """Isotonic force: neighbouring frames whose force does not rise become one point, their mean force and mean area.
 
+    area, force_n : (n,), the latter in N; returned are (m,) of both, and notes.
     The pools are those of the pool-adjacent-violators algorithm (Ayer et al. 1955), so the forces come out strictly
     rising and nearest to the measured ones in the least-squares sense.
     """
@@ -149,7 +153,7 @@ def spread_rate(
 
 
 def spread_rates(areas: Vector, force_n: Vector, *, rule: str, window_n: tuple[float, float]) -> Vector:
-    """(P,) values of ``spread_rate`` of areas (P, T) over the same forces (T,); errors as there."""
+    """(P,) values of ``spread_rate`` of areas (P, T) over the same forces (T,), N; errors as there."""
     if rule != "power":
         return np.array([spread_rate(area, force_n, rule=rule, window_n=window_n).value for area in areas])
     known = ~np.isnan(force_n)

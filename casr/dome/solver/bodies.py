@@ -97,7 +97,7 @@ def block(first: Array, second: Array, place: Callable[[Array, Array], tuple[Arr
 
 
 def graded(end: float, fine: float, size: float, growth: float = 1.2) -> Array:
-    """From 0 to ``end``: steps of ``size`` up to ``fine``, growing ones beyond."""
+    """Places (n,) from 0 to ``end``, mm: steps of ``size`` up to ``fine``, growing ones beyond."""
     steps = [size] * max(1, int(np.ceil(min(fine, end) / size)))
     while sum(steps) < end:
         steps.append(steps[-1] * growth)

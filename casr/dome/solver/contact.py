@@ -23,7 +23,7 @@ SOFT_MM = 2e-4
 
 
 def shapes(at: Array) -> Array:
-    """Quadratic functions of an edge, their first and second slopes: (3, 3, ...), at places from -1 to 1."""
+    """Quadratic functions of an edge, their first and second slopes: (3, 3, n) at places (n,) from -1 to 1."""
     one = np.ones_like(at)
     return np.array(
         [
@@ -89,8 +89,11 @@ class Contact:
         return np.asarray(np.stack([arc[:-2:2], arc[1:-1:2], arc[2::2]], axis=1) @ self._value[:, :POINTS]).ravel()
 
     def opposite(self, moved: Array, kept: Opposite | None = None) -> Opposite:
-        """kept : whose points and edges of the face to go on with, though points may leave them: Newton's method does
-        not end where points cross from edge to edge of a bent face in turn."""
+        """What lies opposite to the dome's points after the displacements ``moved`` (2 N,) of all nodes, mm.
+
+        kept : whose points and edges of the face to go on with, though points may leave them: Newton's method does not
+            end where points cross from edge to edge of a bent face in turn.
+        """
         now = self._place + moved.reshape(-1, 2)
         r, z = ((self._value.T * now[self._nodes, k]).sum(axis=1) for k in (0, 1))
         knots = now[self._face[:, 0], 0]
@@ -121,14 +124,15 @@ class Contact:
         return Opposite(own, edge, at, gap, steep, r1, gap_slope, at_slope, gap_bent, at_bent)
 
     def touched(self, of: Opposite) -> Array:
-        """Where on the undeformed face each point is, mm from the axis; NaN for those without a face."""
+        """(points,) where on the undeformed face each point is, mm from the axis; NaN for those without a face."""
         place = np.full(self.size, np.nan)
         place[of.own] = (shapes(of.at)[0].T * self._place[self._face[of.edge], 0]).sum(axis=1)
         return place
 
     def grip(self, of: Opposite, held: Array, friction: float) -> Grip:
-        """Where points are held, and how strongly at the pressures of now. friction : Coulomb's; inf sticks.
+        """Where points are held, and how strongly at the pressures of now.
 
+        held : (points,) place on the undeformed face, mm. friction : Coulomb's; inf sticks.
         Along the normal (s, -1) of a face of slope s, per unit of penalty, act the overlap times sqrt(1 + s^2) and a
         part of the hold along r; both are in Coulomb's pressure.
         """

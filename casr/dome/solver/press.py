@@ -225,7 +225,7 @@ class _World:
 
 
 def press(pressing: Pressing) -> Pressed:
-    """Solve it up to its force. Stopped : a step failed however small, or the dome is pressed too deep."""
+    """Solve it up to its force. Raises Stopped : a step failed however small, or the dome is pressed too deep."""
     dome = pressing.dome
     length_mm = dome.radius_mm / USUAL_RADIUS_MM
     skin_mpa = dome.skin.modulus_mpa * dome.skin_mm / dome.radius_mm
