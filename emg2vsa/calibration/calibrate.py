@@ -92,7 +92,7 @@ class Calibration:
             return np.asarray(~np.any(ordered & (wrong > np.sqrt(_sums(square))), axis=(1, 2)))
 
     def take(self, i: Ints) -> Calibration:
-        """Calibrations of these indices, in this order."""
+        """Calibrations of these indices (k,), in this order."""
         return cast(Calibration, _taken(self, i))
 
     def equation(self, i: int = 0) -> str:

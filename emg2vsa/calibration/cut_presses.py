@@ -25,13 +25,14 @@ to 0.8 N below the peak."""
 
 
 def cut_forces(start_n: float, stop_n: float) -> Floats:
-    """(G,) forces at which a press is judged, from two steps above ``start_n``; the last is ``stop_n``."""
+    """(G,) forces, N, at which a press is judged, from two steps above ``start_n``; the last is ``stop_n``."""
     count = int((stop_n - start_n) / STEP_N + ROUNDING_N)
     return np.asarray(stop_n - STEP_N * np.arange(max(count - 1, 1), dtype=np.float64)[::-1])
 
 
 def cut_all(curves: Sequence[Sequence[tuple[Floats, Floats]]], start_n: float, forces_n: Floats) -> Floats:
-    """(S, R, G) rates of the presses (force, area) of each specimen, padded with NaN."""
+    """(S, R, G) rates, area/N, of the presses (force in N, area) of each specimen, padded with NaN. forces_n :
+    (G,) N."""
     found = np.full((len(curves), max(map(len, curves), default=0), forces_n.size), np.nan)
     for s, each in enumerate(curves):
         for r, (force_n, values) in enumerate(each):
@@ -40,10 +41,11 @@ def cut_all(curves: Sequence[Sequence[tuple[Floats, Floats]]], start_n: float, f
 
 
 def cut_rates(force_n: ArrayLike, area: ArrayLike, start_n: float, stop_n: Floats) -> Floats:
-    """Mean rate (G,) from ``start_n`` to each of ``stop_n`` (G,) of the power law through the frames up to there.
+    """Mean rate (G,), area/N, from ``start_n`` to each of ``stop_n`` (G,), N, of the power law through the frames up to
+    there.
 
-    NaN where there are fewer than three frames, or none near the
-    force. Frames below an earlier force are left out: going down, a contact keeps more of its area than it had.
+    force_n, area : (T,). NaN where there are fewer than three frames, or none near the force.
+    Frames below an earlier force are left out: going down, a contact keeps more of its area than it had.
     """
     force, areas = rising(np.asarray(force_n, dtype=np.float64), np.asarray(area, dtype=np.float64))
     used = (force >= start_n) & (areas > 0)
@@ -64,7 +66,7 @@ def _near(force: Floats, count: Ints, stop_n: Floats) -> NDArray[np.bool_]:
 
 
 def rising(force_n: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """The frames whose force is larger than every force before."""
+    """The frames of force (T,), N, and values (T,) whose force is larger than every force before."""
     known = np.isfinite(force_n) & np.isfinite(values)
     force, found = force_n[known], values[known]
     before = np.maximum.accumulate(np.concatenate([[-np.inf], force]))[:-1]

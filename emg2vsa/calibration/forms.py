@@ -65,7 +65,8 @@ _MOST_POWER = 2.0  # a contact growing faster would not resist at all
 
 
 def x_of(law: Law, casr: Floats) -> Floats:
-    """The score on the axis of the law; NaN where it has no logarithm or no root."""
+    """The score on the axis X of the law, an array of the shape of ``casr``; NaN where it has no logarithm or no
+    root."""
     if law == "exponential":
         return casr
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -74,7 +75,7 @@ def x_of(law: Law, casr: Floats) -> Floats:
 
 
 def casr_of(law: Law, x: Floats) -> Floats:
-    """The score at a place on the axis of the law: the inverse of ``x_of``."""
+    """The score at places (n,) on the axis of the law: the inverse of ``x_of``. NaN where there is none."""
     if law == "exponential":
         return x
     with np.errstate(invalid="ignore", over="ignore"):
@@ -82,7 +83,7 @@ def casr_of(law: Law, x: Floats) -> Floats:
 
 
 def x_slope(law: Law, casr: Floats) -> Floats:
-    """dX / dCASR."""
+    """dX / dCASR at scores (n,), for the error of a score on the axis."""
     if law == "exponential":
         return np.ones_like(casr)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -91,14 +92,14 @@ def x_slope(law: Law, casr: Floats) -> Floats:
 
 
 def eta_of(law: Law, kappa: Floats) -> Floats:
-    """Stiffness > 0 on the axis of the law."""
+    """Stiffness (n,) > 0, N/mm, on the axis eta of the law."""
     if law == "compliance":
         return np.asarray(1 / kappa)
     return kappa if law == "linear-log" else np.asarray(np.log(kappa))
 
 
 def kappa_of(law: Law, eta: Floats) -> Floats:
-    """Stiffness at a place on the axis of the law; a compliance of 0 or less has none: NaN."""
+    """Stiffness (n,), N/mm, at a place on the axis of the law; a compliance of 0 or less has none: NaN."""
     if law == "linear-log":
         return eta
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):
@@ -106,7 +107,7 @@ def kappa_of(law: Law, eta: Floats) -> Floats:
 
 
 def kappa_slope(law: Law, kappa: Floats) -> Floats:
-    """dkappa / deta."""
+    """dkappa / deta at stiffnesses (n,), N/mm."""
     if law == "compliance":
         return np.asarray(-(kappa**2))
     return np.ones_like(kappa) if law == "linear-log" else kappa
@@ -118,12 +119,13 @@ def specimen_share(algorithm: str) -> float:
 
 
 def casr_angle_share(algorithm: str, angle_deg: float, angle_sd_deg: float) -> float:
-    """``mount_share`` of CASR."""
+    """``mount_share`` of CASR by this vision algorithm. angle_deg, angle_sd_deg : degrees."""
     return mount_share(FRONT_POWER if algorithm == "front" else CASR_POWER, angle_deg, angle_sd_deg)
 
 
 def mount_share(power: float, angle_deg: float, angle_sd_deg: float) -> float:
-    """Change of a score that goes as cos(angle)^power for one standard deviation of the angle, as a share of it."""
+    """Change of a score that goes as cos(angle)^power for one standard deviation of the angle, as a share of it. Both
+    angles in degrees."""
     return -power * math.tan(math.radians(angle_deg)) * math.radians(angle_sd_deg)
 
 

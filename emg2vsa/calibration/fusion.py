@@ -109,7 +109,8 @@ def calibrate_indentation(
 
 
 def mm_per_n(indent_n_per_mm: ArrayLike) -> Floats:
-    """The score of the kinesthetic cue; NaN where the force does not rise."""
+    """The score of the kinesthetic cue (..., same shape), mm/N, of slopes in N/mm; NaN where the force does not
+    rise."""
     slope = np.asarray(indent_n_per_mm, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(slope > 0, 1 / slope, np.nan)

@@ -157,7 +157,7 @@ class OnlineCalibration:
         return np.asarray(slope * reach / special.ndtri(0.5 + self.settings.confidence / 2))
 
     def axis(self, kappa: Floats) -> Floats:
-        """Of kappa, N/mm: on it, intervals are even."""
+        """Of kappa (n,), N/mm: on this axis, intervals are even."""
         return self.posterior.z(kappa) if self.posterior else np.asarray(eta_of(self.settings.law, kappa))
 
     def half_width(self, kappa: float, reach: float) -> float:
@@ -270,8 +270,8 @@ class OnlineEstimator:
         return self._looked_at(force_n, None)
 
     def follow(self, force_n: Floats, area: Floats) -> OnlineState:
-        """The press so far, force (T,) and area (T,) of its frames, in place of what was pushed: the areas of earlier
-        frames change a little while a front is followed."""
+        """The press so far, force (T,), N, and area (T,) of its frames, in place of what was pushed: the areas of
+        earlier frames change a little while a front is followed."""
         self._curve = list(zip(force_n.tolist(), area.tolist(), strict=True))
         return self._looked_at(float(force_n.max(initial=-np.inf)), None)
 

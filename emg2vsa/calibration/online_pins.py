@@ -60,7 +60,10 @@ class KnownPins:
 
 
 def known_pins(known: Sequence[RunScores], kappa: Floats, kappa_se: Floats, domes: Sequence[Domes]) -> KnownPins | None:
-    """Of S known specimens, arguments as for ``kappa_by_pins``; None where their pins tell nothing."""
+    """What the pins of S known specimens say; None where they tell nothing.
+
+    kappa, kappa_se : (S,) N/mm. known, domes : as for ``kappa_by_pins``.
+    """
     try:
         camera = camera_of(known)
         presses = known_presses(known, kappa, kappa_se)
@@ -103,7 +106,8 @@ class PinsEstimator:
         self._mean: Floats | None = None
 
     def judged(self, press: KappaPress) -> ByPins:
-        """The press so far, of specimen ``NEW``. CasrError : its pins tell nothing."""
+        """Kappa after the press so far, of specimen ``NEW``, with its interval, N/mm. CasrError : its pins tell
+        nothing."""
         (field,) = press_fields([press], self._camera, self._family)
         labels = self._before.labelled([field], self._labels)
         if labels is self._labels and self._told:  # no frame that tells more: contacts beyond the tables

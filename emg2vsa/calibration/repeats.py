@@ -182,7 +182,7 @@ def interval_of(law: Law, kappa: float, reach: float) -> tuple[float, float]:
 
 
 def ends_on_law(law: Law, eta: Floats, reach: Floats) -> tuple[Floats, Floats]:
-    """low and high, N/mm, of intervals that reach so far about eta on the axis of the law."""
+    """low and high (n,), N/mm, of intervals that reach so far about eta (n,) on the axis of the law."""
     low, high = np.sort([_end(law, eta - reach), _end(law, eta + reach)], axis=0)
     return low, high
 

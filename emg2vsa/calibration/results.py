@@ -222,17 +222,18 @@ class CalibrationResults:
     algorithm: str = ""
 
     def find(self, angle_deg: float, condition: str) -> ConditionResult | None:
-        """The entry of one angle and condition; None where there is none."""
+        """The entry of one angle, degrees, and condition; None where there is none."""
         return next(
             (each for each in self.conditions if (each.angle_deg, each.condition) == (angle_deg, condition)), None
         )
 
     def headline(self, condition: str, angle_deg: float, algorithm: str) -> Headline | None:
-        """See ``ConditionResult``; None where it was not calibrated."""
+        """``ConditionResult.headline`` of this condition and angle, degrees; None where it was not calibrated."""
         design = self.find(angle_deg, condition)
         return design.headline(algorithm) if design else None
 
     def law(self, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
-        """The law of the study through the scores of a vision algorithm; None where these were not calibrated."""
+        """The law of the study through the scores of a vision algorithm, at an angle in degrees; None where these were
+        not calibrated."""
         design = self.find(angle_deg, condition)
         return design.algorithms[algorithm].chosen if design and algorithm in design.algorithms else None

@@ -89,11 +89,11 @@ class ChosenLaws:
     by: dict[tuple[str, float, str], LawResult] = dataclasses.field(default_factory=dict)
 
     def law(self, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
-        """None where it was not calibrated."""
+        """The chosen law at an angle in degrees; None where it was not calibrated."""
         return self.by.get((condition, angle_deg, algorithm))
 
     def headline(self, condition: str, angle_deg: float, algorithm: str) -> Headline | None:
-        """By the pins, or else this law."""
+        """By the pins, or else this law. angle_deg : degrees."""
         design = self.study.find(angle_deg, condition)
         return (design.pins if design else None) or self.law(condition, angle_deg, algorithm)
 

@@ -52,7 +52,11 @@ def cleaned(
     force_channel: ForceChannelSettings,
     window: WindowSettings,
 ) -> Cleaned:
-    """The EMG of a recording without its hum, and what was found on the way."""
+    """The EMG of a recording without its hum, and what was found on the way.
+
+    force_missing : (n,) samples of force that were interpolated. conditioned : force of the whole record, its presses
+        and rests.
+    """
     late_s = 0.0 if chain.low is None else chain.low.delay_s
     force_clock = Clock(force.start_s - force_channel.delay_s - late_s, force.fs_hz, conditioned.force_n.size)
     emg_clock = Clock(record.start_s, record.fs_hz, record.samples[0].size)

@@ -42,6 +42,7 @@ def emg_record(emg: Mapping[str, Channel]) -> EmgRecord:
 
     A channel of that rate and start stays as it is; the samples of any other are interpolated by band-limited
     interpolation, which changes nothing below 0.9 of half its own rate.
+    SignalError : no channel, or channels without time in common.
     """
     if not emg:
         raise SignalError("EMG", wanted="at least one channel", found="none", do="Name the channel of a muscle.")
@@ -83,10 +84,12 @@ class Native:
     start_s: float
 
     def index(self, time_s: Floats) -> Floats:
+        """Index (n,), not whole, of times (n,), s, in the channel as it was recorded."""
         return np.asarray((time_s - self.start_s) * self.fs_hz, dtype=np.float64)
 
     def on(self, clock: Clock, same: bool) -> tuple[Floats, NDArray[np.bool_]]:
-        """Samples and what is missing on a clock; ``same``: it is the channel's own, from a later sample on."""
+        """Samples (n,) and what is missing (n,) on a clock of n samples; ``same``: it is the channel's own, from a
+        later sample on."""
         position = self.index(clock.time_s(np.arange(clock.n_samples)))
         nearest = np.clip(np.rint(position).astype(np.int64), 0, self.samples.size - 1)
         samples = self.samples[nearest] if same else band_limited_at(self.samples, position)
@@ -128,7 +131,7 @@ class Chain:
 
 
 def filter_chain(filters: FilterSettings, record: EmgRecord, force_fs_hz: float) -> Chain:
-    """The filters, designed for these rates; SignalError where the EMG is too short for them."""
+    """The filters, designed for the rates of EMG and force, Hz; SignalError where the EMG is too short for them."""
     step = decimation(record.fs_hz, filters.output_fs_hz)
     band, envelope = band_pass(filters, record.fs_hz), smoother(filters, record.fs_hz, step)
     n, needed = record.samples[0].size, max(band.pad_samples + 1, envelope.taps.size)

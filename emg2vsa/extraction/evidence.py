@@ -102,7 +102,10 @@ def said_of_movement(
     muscles: tuple[str, ...], moved: Sequence[Ints], gone: NDArray[np.bool_], instants: Instants, fs_hz: float,
     bias: BiasBudget,
 ) -> list[tuple[tuple[bool, str], ...]]:  # fmt: skip
-    """Per press which electrodes moved, for how long its envelope is left out, and what that would have changed."""
+    """Per press which electrodes moved, for how long its envelope is left out, s, and what that would have changed.
+
+    moved : of each muscle, (k, 2) first and last-plus-one sample. gone : (N,) instants that are left out.
+    """
     offsets = instants.offsets
     changed = bias.corrected[bias.causes.index("contact artefact")] if "contact artefact" in bias.causes else None
     said: list[tuple[tuple[bool, str], ...]] = []
@@ -155,7 +158,11 @@ def gather_evidence(
     fault: str,
     said: list[tuple[tuple[bool, str], ...]],
 ) -> list[Evidence]:
-    """What is known of each press of a record; arrays as in ``extract_trials``."""
+    """What is known of each of p presses of a record.
+
+    force_n : (N,) N at the instants. force_missing : (n,) of the record. quality : m rows of p. snr_db : (m, p) dB.
+    said : of each press, whether a sentence is a fault, and the sentence.
+    """
     presses, offsets = force.presses, instants.offsets
     fs_hz = force.fs_hz
     evidence = []

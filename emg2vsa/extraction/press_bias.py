@@ -33,8 +33,10 @@ ZERO_OFF = 0.6
 
 
 def of_hum(record: EmgRecord, clean: Cleaned, levels_v: Floats, force_n: Floats, instants: Instants) -> Iterator[Shift]:
-    """What hum of the presses does to them, that which stays and that which was taken from ``record``; arrays as in
-    ``extract_trials``."""
+    """What hum of the presses does to them, that which stays and that which was taken from ``record``.
+
+    levels_v : (m, N) V and force_n : (N,) N at the instants.
+    """
     # a mean rectified value is sqrt(2 / pi) of the rms
     if clean.touching_v.any():
         stays_v = np.sqrt(2 / np.pi) * clean.touching_v
@@ -103,8 +105,11 @@ def of_lag(
     force_n: Floats,
     levels_v: Floats,
 ) -> Iterator[Shift]:
-    """What the lag does to the presses where ``moved_s`` of it was taken out: one lag of all, one that grows, and one
-    that each press has of its own."""
+    """What the lag does to the presses where ``moved_s`` (s) of it was taken out: one lag of all, one that grows, and
+    one that each press has of its own.
+
+    stop_s : (p,) ends of the loading phases, s. force_n : (N,) N and levels_v : (m, N) V at the instants.
+    """
     level = levels_v.sum(axis=0)
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
 
@@ -154,7 +159,10 @@ def alone(
 
 
 def of_zero(zero_shift_n: Floats, force_n: Floats, levels_v: Floats, instants: Instants) -> Iterator[Shift]:
-    """What a zero of force that moves by ``zero_shift_n`` (p,) around a press may do to it."""
+    """What a zero of force that moves by ``zero_shift_n`` (p,), N, around a press may do to it.
+
+    force_n : (N,) N and levels_v : (m, N) V at the instants.
+    """
     off_n = ZERO_OFF * np.repeat(np.nan_to_num(zero_shift_n), instants.counts)
     if off_n.any():
         force_n, level_v = np.maximum(force_n, 1e-9), levels_v.sum(axis=0)

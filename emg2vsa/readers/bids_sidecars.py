@@ -29,7 +29,7 @@ class SideChannel:
     status_description: str | None = None
 
     def warnings(self, name: str, fs_hz: float) -> tuple[str, ...]:
-        """What a user of the channel should know, given the rate the data file states."""
+        """What a user of the channel should know, given the rate that the data file states, Hz."""
         notes = []
         if self.status == "bad":
             why = f" ({self.status_description})" if self.status_description else ""
@@ -47,6 +47,7 @@ class SideFiles:
     emg: Mapping[str, Any] = field(default_factory=dict)
 
     def notes(self, fs_hz: float) -> list[str]:
+        """Where ``_emg.json`` states another rate than the data file, Hz."""
         stated = self.emg.get("SamplingFrequency")
         if isinstance(stated, (int, float)) and abs(stated - fs_hz) > 1e-3 * fs_hz:
             return [f"_emg.json states {stated:g} Hz, the file {fs_hz:g} Hz; the file counts."]

@@ -52,7 +52,8 @@ class Body:
         return {column: found.get(column, np.empty(0)) for column in names}
 
     def texts(self, column: int) -> list[str]:
-        """The cells of a column as they are written, "" for blank ones."""
+        """The cells of a column as they are written, "" for blank ones. RecordingError : rows of too many cells, or no
+        table."""
         self._refuse_long_rows()
         try:
             frame = self._parse([column], {"dtype": str})

@@ -30,6 +30,7 @@ def open_recording(path: Path, reading: ReadingSettings = _READING) -> tuple[str
     """The format of a file and the file opened and validated, its samples not read yet.
 
     reading : limits of a foreign decoder, for this and for every later request to the opened file.
+    RecordingError : no readable file, empty, of no known format, or broken.
     """
     path = Path(path)
     try:
@@ -162,7 +163,8 @@ def load_named(
 ) -> list[StoredChannel]:
     """The named channels as stored, each under the name it was asked by; checked as in ``usable``.
 
-    rates_hz : of each name, for files that state none; () where nobody states any.
+    rates_hz : of each name, Hz, for files that state none; () where nobody states any.
+    RecordingError : no channel of a name, or one that cannot be used.
     """
     contents = opened.contents
     index = {**contents.aliases, **{known: i for i, known in enumerate(contents.names)}}

@@ -68,7 +68,7 @@ class CountedRows:
         return self.n_samples if self.at is None else self.at.size
 
     def placed(self, column: NDArray[Any]) -> NDArray[np.float64]:
-        """The samples of a column as long as the counter, NaN where they were lost."""
+        """The samples (n_samples,) of a column (rows,), NaN where they were lost."""
         column = column[: self.n_rows]
         if self.at is None:
             return np.asarray(column, np.float64)
@@ -78,12 +78,11 @@ class CountedRows:
 
 
 def counted(counter: NDArray[np.float64], name: str, fs_hz: float, modulus: int | None = None) -> CountedRows:
-    """Rows by their counter, which rises by one from row to row and wraps at ``modulus``.
+    """Rows by their counter (rows,), which rises by one from row to row and wraps at ``modulus``.
 
     name : of the counter, for the notes. modulus : None: 16 where the counter never reaches 16, else 65536.
-
     A counter that stands still (OpenSignals' HDF5 holds it at 65535), or that would mean more lost rows than there are
-    rows, is not followed: the rows then count, and a note says so.
+    rows, is not followed: the rows then count, and a note says so. fs_hz : Hz, for the note on when rows were lost.
     """
     n = counter.size
     if n < 2 or not np.isfinite(counter).all() or np.abs(counter).max() >= 2**53:

@@ -67,7 +67,7 @@ def _refuse_prose(path: Path, header: Line, rows: Sequence[Line], dialect: Diale
 
 
 def header_and_rows(text: TextFile, start: int = 0, number: int = 1) -> tuple[Line, list[Line]]:
-    """The header line and the first data lines."""
+    """The header line and the first data lines. RecordingError : fewer than two filled lines."""
     lines = text.filled_lines(SNIFFED_ROWS + 1, start, number)
     if len(lines) < 2:
         raise _no_rows(text, lines)
@@ -85,7 +85,10 @@ def widest(dialect: Dialect, rows: Sequence[Line]) -> int:
 
 
 def checked_width(path: Path, dialect: Dialect, labels: Sequence[str], rows: Sequence[Line]) -> int:
-    """Cells a row may have: one for each name, and blank ones beyond as the first row has them. Refuses filled ones."""
+    """Cells a row may have: one for each name, and blank ones beyond as the first row has them.
+
+    RecordingError : filled cells beyond the names.
+    """
     cells = dialect.split(rows[0].text)
     filled = max((i for i, cell in enumerate(cells, start=1) if cell), default=0)
     if filled > len(labels):

@@ -51,6 +51,7 @@ class PluginReader:
         self.format: str = self._reader.name
 
     def sniff(self, path: Path, head: bytes) -> bool:
+        """Whether the file is of the reader's format. PluginError : it failed to say."""
         try:
             return bool(self._reader.sniff(path, head))
         except Exception as error:  # of foreign code
@@ -64,6 +65,7 @@ class PluginReader:
 
     @contextmanager
     def faults(self, path: Path) -> Iterator[None]:
+        """Whatever the reader's code raises comes out as an error of this project that names the reader."""
         try:
             yield
         except Emg2vsaError:
@@ -95,6 +97,7 @@ class OpenByPlugin:
         self.contents = replace(self.contents, notes=(*self.contents.notes, note))
 
     def describe(self) -> tuple[ChannelInfo, ...]:
+        """Facts on each channel. RecordingError : the reader failed, or gave others."""
         with self.reader.faults(self.path):
             found = tuple(self.opened.describe())
             if len(found) != len(self.contents.names) or not all(isinstance(one, ChannelInfo) for one in found):
@@ -102,6 +105,7 @@ class OpenByPlugin:
             return found
 
     def load(self, indices: Sequence[int]) -> list[StoredChannel]:
+        """Samples of these channels. RecordingError : the reader failed, or gave other than (n,) float64 for each."""
         with self.reader.faults(self.path):
             found = list(self.opened.load(indices))
             if len(found) != len(indices) or not all(map(_is_channel, found)):

@@ -89,7 +89,7 @@ def read_roles(
 
 
 def refuse_short(path: Path, stored: StoredChannel) -> None:
-    """Fewer samples than any filter needs are no recording."""
+    """RecordingError where a channel has fewer samples than any filter needs."""
     if stored.samples.size < _FEWEST_SAMPLES:
         raise RecordingError(
             f"{path}, channel {stored.name!r}", wanted=f"a recording of {_FEWEST_SAMPLES} samples or more",
@@ -98,7 +98,8 @@ def refuse_short(path: Path, stored: StoredChannel) -> None:
 
 
 def refuse_rate(path: Path, stored: StoredChannel, slowest_hz: float) -> None:
-    """A rate at which nobody records is a time in another unit than its header says, or no time at all."""
+    """RecordingError for a rate, Hz, at which nobody records: a time in another unit than its header says, or no time
+    at all."""
     if slowest_hz < stored.fs_hz < _FASTEST_HZ:
         return
     right = "milliseconds or a count of samples" if stored.fs_hz <= slowest_hz else "seconds"

@@ -73,6 +73,7 @@ class ChannelFacts:
 
     @property
     def duration_s(self) -> float:
+        """Length of the channel, s; NaN where its rate is not known."""
         return self.n_samples / self.fs_hz if self.fs_hz > 0 else math.nan
 
 
@@ -109,8 +110,7 @@ class FileFacts:
 def survey(path: Path, reading: ReadingSettings | None = None, fs_hz: float | None = None) -> FileFacts:
     """Read a whole file and judge its channels.
 
-    fs_hz : rate of channels whose file states none.
-
+    fs_hz : rate, Hz, of channels whose file states none.
     Raises RecordingError where the file cannot be opened; a channel that cannot be read has its fault.
     """
     name, opened = open_recording(path, reading or ReadingSettings())

@@ -102,7 +102,8 @@ def read_tidy_table(path: Path) -> TidyTable:
 
 
 def table_below(path: Path, text: TextFile, lines: Sequence[Line]) -> TidyTable:
-    """The table of these lines of ``text``, its header row first; as ``read_tidy_table``."""
+    """The table of these lines of ``text``, its header row first; as ``read_tidy_table``. DataError : no header and
+    row, or a name that is blank or comes twice."""
     if len(lines) < 2:
         raise DataError(
             path, wanted="a header row and rows of data", found=f"{len(lines)} filled lines",

@@ -96,11 +96,12 @@ def _shift_of_press(press: Path) -> float:
 
 
 def motion_and_force(press: Path, shift_s: float) -> tuple[Floats, Floats, Floats, Floats]:
-    """Times of the frames as recorded, s, and motion of the pins in them, px; times, s, and values of the force, N.
+    """Times of the frames as recorded (T,), s, and motion of the pins in them (T,), px; times (n,), s, and values of
+    the force (n,), N.
 
-    Of the frames up to ``TO_N``, were they taken ``shift_s`` before they say. Motion is along the way that each pin has
-    gone at ``TO_N``, so that noise has no sign. RecordingError, CasrError: the press lacks frames, times, forces, or
-    what is needed of them.
+    Of the frames up to ``TO_N``, were they taken ``shift_s`` (s) before they say. Motion is along the way that each pin
+    has gone at ``TO_N``, so that noise has no sign.
+    RecordingError, CasrError: the press lacks frames, times, forces, or what is needed of them.
     """
     frames, log = open_frames(press), read_force_log(press / FORCE_FILE)
     if log.time_s is None or log.frame_time_s is None:
@@ -139,7 +140,11 @@ def _motion_px(frames: FrameSequence, used: Sequence[int]) -> Floats:
 
 
 def shift_of(frame_s: Floats, motion_px: Floats, force_s: Floats, force_n: Floats) -> float:
-    """How much later the frames say they were taken than they were, s: where motion is a function of force best."""
+    """How much later the frames say they were taken than they were, s: where motion is a function of force best.
+
+    frame_s, motion_px : (T,) s and px. force_s, force_n : (n,) s and N.
+    RecordingError : no delay within the search fits best.
+    """
     rest_n = float(np.median(force_n[force_s <= frame_s[FEWEST_AT_REST - 1]]))
     kernel = np.ones(_SMOOTH) / _SMOOTH
     force_n = np.convolve(np.pad(force_n, _SMOOTH // 2, mode="edge"), kernel, "valid")

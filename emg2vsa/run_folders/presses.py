@@ -77,9 +77,10 @@ def run_setup(folders: Sequence[Path], camera: Path | None = None) -> dict[str, 
 def read_presses(folders: Sequence[Path], camera: Path | None = None, order: Sequence[float] = ()) -> Iterator[Press]:
     """Presses of the folders, numbered on from folder to folder.
 
-    order : of the folders, in place of the times in their plans. camera : the camera file where neither the press nor
-    its run has a camera.toml of its own. A press whose frames are missing or cannot be read comes with the reason; a
-    log that is missing or foreign leaves out the force over indentation.
+    order : of the folders, in place of the times in their plans.
+    camera : the camera file where neither the press nor its run has a camera.toml of its own.
+    A press whose frames are missing or cannot be read raises nothing and comes with the reason; a log that is missing
+    or foreign leaves out the force over indentation.
     """
     repetition = 0
     began_of = order or [_pressed_at(folder) for folder in folders]

@@ -87,7 +87,8 @@ class Measured:
 
     @property
     def pins(self) -> PressPins | None:
-        """What stiffness is told from by the pins; None where they cannot be followed in enough frames."""
+        """What stiffness is told from by the pins, (N, 2) px and (T, N, 2) px; None where they cannot be followed in
+        enough frames."""
         seen = self._seen
         if seen is None or seen.force_n is None:
             return None

@@ -31,7 +31,10 @@ def score_run(
     notes: tuple[str, ...] = (),
     domes: Domes = NO_DOMES,
 ) -> RunScores:
-    """Scores of all presses, in their order; ``notes`` of the run go before those of its presses."""
+    """Scores of all presses, in their order; ``notes`` of the run go before those of its presses.
+
+    angle_deg : of the sensor, degrees. A press that cannot be scored has NaN and its reason.
+    """
     repetitions: list[int] = []
     mountings: list[int] = []
     reasons: list[str] = []

@@ -43,12 +43,12 @@ class Shift(NamedTuple):
 
 
 def left_in(cause: Cause, a: Floats, b: Floats, b_se: Floats | float = 0.0) -> Shift:
-    """A cause that stays in the press."""
+    """A cause that stays in the press; arrays as in ``Shift``, (p,)."""
     return Shift(cause, a, b, b_se + np.zeros(b.size), np.zeros(b.size))
 
 
 def taken_out(cause: Cause, b: Floats, b_se: Floats | float) -> Shift:
-    """A cause that was corrected; b : the change that it made."""
+    """A cause that was corrected; b : (p,) the change that it made."""
     return Shift(cause, np.zeros(b.size), np.zeros(b.size), b_se + np.zeros(b.size), b)
 
 

@@ -37,7 +37,10 @@ class Rail(NamedTuple):
 
 
 def law_of(pieces: Sequence[Floats], size: int) -> float:
-    """The ``law`` of a ``Rail``, by root mean square over mean rectified value in blocks of so many samples."""
+    """The ``law`` of a ``Rail``, 0 (Gauss) to 1 (Laplace), by root mean square over mean rectified value.
+
+    pieces : samples (k,) each, cut into blocks of ``size``. 0.5 where none is so long.
+    """
     blocks = np.concatenate([piece[: piece.size // size * size].reshape(-1, size) for piece in pieces])
     ratio = np.sqrt(np.mean(blocks**2, axis=1)) / np.maximum(np.mean(np.abs(blocks), axis=1), 1e-300)
     gauss, laplace = np.sqrt(np.pi / 2), np.sqrt(2)

@@ -19,10 +19,12 @@ def cocontraction_index(
 ) -> tuple[Floats, str, tuple[str, ...]]:
     """Activity (n,), its unit ("V" or "1") and what must be said of it, from envelopes (m, n) in volts.
 
-    With L and H the lower and the higher envelope at each instant: sum (paper IV.B); minimum, L; rudolph,
-    (L / H)(L + H) (Rudolph et al. 2000); falconer-winter, 2 L / (L + H) (Falconer and Winter 1985, instant by instant;
-    0 to 1). Where a denominator is zero the index is zero. session_v : largest envelope of each muscle in the whole
-    session, for normalise = "session-max"; while it is not known the envelopes stay in volts.
+    With L and H the lower and the higher envelope at each instant: sum (paper IV.B); minimum, L; rudolph, (L / H)(L +
+    H) (Rudolph et al. 2000); falconer-winter, 2 L / (L + H) (Falconer and Winter 1985, instant by instant; 0 to 1).
+    Where a denominator is zero the index is zero.
+    session_v : largest envelope of each muscle in the whole session, for normalise = "session-max"; while it is not
+        known the envelopes stay in volts.
+    SettingError : the index is not one of so many muscles.
     """
     pairwise = settings.index in ("rudolph", "falconer-winter")
     if (pairwise and len(muscles) != 2) or (settings.index == "minimum" and len(muscles) < 2):

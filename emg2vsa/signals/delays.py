@@ -31,6 +31,7 @@ class DelayBudget:
 
     @property
     def mismatch_s(self) -> float:
+        """What is left after pairing, s: positive where EMG lags force."""
         return self.emg_s - self.force_s - self.removed_s
 
     def __str__(self) -> str:
@@ -51,7 +52,8 @@ def delay_budget(
 ) -> tuple[DelayBudget, Shifts]:
     """Budget and shifts of one recording.
 
-    The stated delay of the force sensor is always removed, and so is ``lag_s``, by which force was found to follow EMG.
+    sensor_s : stated delay of the force sensor, s. lag_s : by which force was found to follow EMG, s. Both are always
+        removed.
     Filter delays are zero (zero-phase), removed (compensated) or left in (causal: as on line and in the paper; the
     budget then states the mismatch).
     """

@@ -44,7 +44,10 @@ class Smoother:
 
 
 def smoother(filters: FilterSettings, fs_hz: float, step: int) -> Smoother:
-    """The envelope kernel of ``filters`` at ``fs_hz``; ``step`` is the decimation, for the warning on aliasing."""
+    """The envelope kernel of ``filters`` at ``fs_hz``, Hz; ``step`` is the decimation, for the warning on aliasing.
+
+    SettingError : an odd order of the FIR, or a cut-off from half the rate on.
+    """
     centred = filters.phase == "zero-phase"
     if filters.envelope == "rms":
         window = max(3, round(filters.rms_window_s * fs_hz) // 2 * 2 + 1)

@@ -60,7 +60,7 @@ def band_pass(filters: FilterSettings, fs_hz: float) -> IirFilter:
 
 
 def force_low_pass(filters: FilterSettings, fs_hz: float) -> IirFilter | None:
-    """The force low-pass of ``filters``; None where the study takes force as it is."""
+    """The force low-pass of ``filters`` at ``fs_hz``, Hz; None where the study takes force as it is."""
     if not filters.force_filter:
         return None
     return _low_pass(filters.force_cutoff_hz, filters.force_order, filters.phase, fs_hz)
@@ -144,7 +144,7 @@ def _described(
 
 
 def digits_kept(sos: Floats) -> float:
-    """Decimal digits of a signal near 0 Hz that survive the filter's own rounding in float64.
+    """Decimal digits of a signal near 0 Hz that survive the filter's own rounding in float64. sos : (sections, 6).
 
     A section recurs with 1 + a1 + a2, about the square of its edge in radians per sample: what is left of that sum
     after rounding is what is left of the signal.
@@ -172,13 +172,14 @@ def _about_digits(name: str, sos: Floats, fs_hz: float) -> tuple[str, ...]:
 
 
 def gain(sos: Floats, frequency_hz: float, fs_hz: float) -> float:
-    """Magnitude of the response of one pass at one frequency."""
+    """Magnitude of the response of one pass of ``sos`` (sections, 6) at one frequency, Hz."""
     z = np.exp(-2j * np.pi * frequency_hz / fs_hz) ** np.arange(3)
     return float(np.prod(np.abs(sos[:, :3] @ z) / np.abs(sos[:, 3:] @ z)))
 
 
 def group_delay_samples(sos: Floats, frequency_hz: float, fs_hz: float) -> float:
-    """Group delay of one pass at one frequency, from the derivative of every section's polynomials."""
+    """Group delay in samples of one pass at one frequency, from the derivative of every section's polynomials. sos :
+    (sections, 6)."""
     powers = np.arange(3)
     z = np.exp(-2j * np.pi * frequency_hz / fs_hz) ** powers
     numerator = (sos[:, :3] @ (powers * z)) / (sos[:, :3] @ z)
@@ -187,7 +188,11 @@ def group_delay_samples(sos: Floats, frequency_hz: float, fs_hz: float) -> float
 
 
 def true_edges_hz(sos: Floats, fs_hz: float, *, passes: int, inside_hz: float) -> tuple[float, float]:
-    """Frequencies below and above ``inside_hz`` where the gain of all passes is 3.01 dB down; NaN where it never is."""
+    """Frequencies, Hz, below and above ``inside_hz`` where the gain of all passes is 3.01 dB down; NaN where it never
+    is.
+
+    sos : (sections, 6).
+    """
     target = 0.5 ** (0.5 / passes)
 
     def edge(outside_hz: float) -> float:
@@ -203,12 +208,15 @@ def true_edges_hz(sos: Floats, fs_hz: float, *, passes: int, inside_hz: float) -
 
 
 def support_samples(sos: Floats, share: float = TRUNCATION) -> int:
-    """Samples after which no more than a share of a start-up transient is left, from the slowest pole radius."""
+    """Samples after which no more than a share of a start-up transient is left, from the slowest pole radius.
+
+    sos : (sections, 6).
+    """
     radius = max(float(np.max(np.abs(np.roots(section[3:])))) for section in sos)
     return math.ceil(math.log(share) / math.log(radius))
 
 
 def default_pad_samples(sos: Floats) -> int:
-    """Odd extension that ``scipy.signal.sosfiltfilt`` puts at both ends by default."""
+    """Odd extension in samples that ``scipy.signal.sosfiltfilt`` puts at both ends by default. sos : (sections, 6)."""
     taps = 2 * sos.shape[0] + 1
     return 3 * int(taps - min(np.sum(sos[:, 2] == 0), np.sum(sos[:, 5] == 0)))

@@ -63,7 +63,8 @@ def floor_change(levels_v: Floats, floor_v: Floats, force_n: Floats, offsets: In
 
 
 def floor_over_muscle(levels_v: Floats, floor_v: Floats, offsets: Ints) -> Floats:
-    """Power (p,) of the floor over that of the muscles, in the mean of a press."""
+    """Power (p,) of the floor over that of the muscles, in the mean of a press. levels_v : (m, N) V. floor_v : (m,) or
+    (m, N) V."""
     power = levels_v**2
     floor = means(np.sum(power * _share(levels_v, floor_v), axis=0), offsets)
     total = means(np.sum(power, axis=0), offsets)

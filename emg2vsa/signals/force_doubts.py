@@ -39,7 +39,8 @@ def exchanged(force: Floats, force_fs_hz: float, muscles: Sequence[str], emg: Se
 
 
 def returns_to_zero(force: Floats, fs_hz: float) -> str:
-    """Whether raw force (n,) recovers from each release as through a high-pass filter, and its time constant; or ""."""
+    """Whether raw force (n,) at ``fs_hz``, Hz, recovers from each release as through a high-pass filter, and its time
+    constant; or ""."""
     size = max(1, round(SMOOTH_S * fs_hz))
     if force.size < 10 * size:
         return ""
@@ -70,7 +71,7 @@ def returns_to_zero(force: Floats, fs_hz: float) -> str:
 
 
 def sampled_slowly(force: Floats, fs_hz: float) -> Iterator[str]:
-    """That raw force (n,) was sampled at less than ``SLOW_HZ``, though its file says ``fs_hz``.
+    """That raw force (n,) was sampled at less than ``SLOW_HZ``, though its file says ``fs_hz``, both in Hz.
 
     Force that was held, or interpolated, bends on an even grid only.
     """

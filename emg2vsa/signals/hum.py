@@ -309,7 +309,7 @@ def _harmonics(mains_hz: float, fs_hz: float) -> Floats:
 def touch_hum(channels: tuple[Floats, ...], fs_hz: float, start: Ints, stop: Ints, hz: float | None) -> Floats:
     """Rms (m,) of the hum within the presses [start, stop) (p,), in the unit of the channels; 0 where none is clear.
 
-    hz : of the mains; None: whichever of both holds more.
+    channels : m of (n,) at ``fs_hz``, Hz. hz : of the mains; None: whichever of both holds more.
     """
     return np.asarray(np.sqrt(_clear_powers(channels, fs_hz, start, stop, hz)[1].sum(axis=1)))
 

@@ -84,7 +84,7 @@ class Lag:
 
     @property
     def error_s(self) -> float:
-        """Standard error with what all presses share, which ``se_s``, by how presses differ, cannot show: what is
+        """Standard error, s, with what all presses share, which ``se_s``, by how presses differ, cannot show: what is
         feigned, and that a muscle has no single lag."""
         return float(np.hypot(np.hypot(np.nan_to_num(self.se_s), self.feigned_s), muscle_error_s(self.lag_s)))
 
@@ -96,8 +96,10 @@ class Lag:
         return bool(abs(self.lag_s) > self.feigned_s + special.stdtrit(max(self.pieces - 1, 2), 0.9985) * self.se_s)
 
     def left_s(self, moved_s: float, stop_s: Floats) -> Floats:
-        """(p,) by which force follows EMG in each press where ``moved_s`` was taken out; 0 where it is not certain.
-        stop_s : (p,) ends of the loading phases."""
+        """(p,) s by which force follows EMG in each press where ``moved_s`` was taken out; 0 where it is not certain.
+
+        stop_s : (p,) ends of the loading phases, s.
+        """
         if self.drift:
             return np.asarray(self.lag_s - moved_s + self.drift * (stop_s - stop_s.mean()))
         return np.full(stop_s.size, self.lag_s if self.certain and not moved_s else 0.0)

@@ -33,7 +33,10 @@ def level_trends(envelopes_v: Floats, offsets: Ints) -> tuple[Floats, Floats]:
 
 
 def level_drift(envelopes_v: Floats, offsets: Ints, slopes: Floats, errors: Floats) -> Shift:
-    """What the trends do to a and b of each press, against the first: a muscle that is read at half counts half."""
+    """What the trends do to a and b of each press, against the first: a muscle that is read at half counts half.
+
+    envelopes_v : (m, N) V, cut by offsets (p + 1,). slopes, errors : (m,) of ln level over the recording.
+    """
     levels = means(envelopes_v, offsets)
     p = levels.shape[1]
     if not slopes.any():

@@ -74,7 +74,11 @@ def _columns(samples: Floats, size: int) -> Floats:
 
 
 def spectra(samples: Sequence[Floats], bounds: Ints, length: int, fs_hz: float) -> Floats:
-    """Power spectral densities (m, q, F) of the pieces [i, j) (q, 2); NaN of those shorter than a segment."""
+    """Power spectral densities (m, q, F), V^2/Hz, of the pieces [i, j) (q, 2); NaN of those shorter than a segment
+    (Welch 1967: Hann windows that overlap by half).
+
+    samples : m of (n,) V at ``fs_hz``, Hz. length : of a segment, samples.
+    """
     window = np.hanning(length + 1)[:-1]
     step = length // 2
     counts = np.maximum((bounds[:, 1] - bounds[:, 0] - length) // step + 1, 0)

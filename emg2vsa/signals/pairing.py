@@ -25,9 +25,11 @@ class Clock:
     n_samples: int
 
     def time_s(self, index: Floats | Ints) -> Floats:
+        """Times, s, of samples by their index (n,), whole or not."""
         return np.asarray(self.start_s + index / self.fs_hz, dtype=np.float64)
 
     def index(self, time_s: Floats) -> Floats:
+        """Index (n,), not whole, of times (n,), s: the inverse of ``time_s``."""
         return np.asarray((time_s - self.start_s) * self.fs_hz, dtype=np.float64)
 
 
@@ -45,10 +47,12 @@ class Instants:
 
     @property
     def offsets(self) -> Ints:
+        """(w + 1,): window i holds the instants [offsets[i], offsets[i + 1]) of all."""
         return np.asarray(np.concatenate((np.zeros(1, np.int64), np.cumsum(self.counts))), dtype=np.int64)
 
     @property
     def last(self) -> Ints:
+        """(w,) last sample of each window; the first where it has none."""
         return np.asarray(self.first + self.step * np.maximum(self.counts - 1, 0), dtype=np.int64)
 
     def samples(self) -> Ints:
@@ -58,7 +62,7 @@ class Instants:
 
 
 def instants_between(start_s: Floats, stop_s: Floats, emg: Clock, force: Clock, step: int) -> Instants:
-    """Every ``step``-th EMG sample, counted from the first of the record, that lies in [start_s, stop_s] (w,).
+    """Every ``step``-th EMG sample, counted from the first of the record, that lies in [start_s, stop_s] (w,), s.
 
     Samples outside the EMG or the force record do not exist; a window that asks for any is not covered.
     """

@@ -33,14 +33,17 @@ class Signals:
 
 
 def pieces_of(x: Floats, bounds: Ints, at_least: int) -> list[Floats]:
+    """Pieces [i, j) (q, 2) of a signal (n,) that have so many samples or more."""
     return [x[i:j] for i, j in bounds.tolist() if j - i >= at_least]
 
 
 def by_press(values: Floats, offsets: Ints) -> list[Floats]:
+    """Values (N,) of each press, by offsets (p + 1,)."""
     return [values[i:j] for i, j in zip(offsets[:-1].tolist(), offsets[1:].tolist(), strict=True)]
 
 
 def volts(level_v: float) -> str:
+    """A level, V, in words: two digits, in V, mV, uV or nV."""
     for scale, unit in ((1.0, "V"), (1e-3, "mV"), (1e-6, "uV"), (1e-9, "nV")):
         if level_v >= scale:
             return f"{level_v / scale:.2g} {unit}" if level_v < 99.5 * scale else f"{level_v / scale:.0f} {unit}"
@@ -48,6 +51,7 @@ def volts(level_v: float) -> str:
 
 
 def correlation(x: Floats, y: Floats) -> float:
+    """Pearson's coefficient of x (n,) and y (m,) over what both have; 0 where one is constant."""
     n = min(x.size, y.size)
     x, y = x[:n] - x[:n].mean(), y[:n] - y[:n].mean()
     norm = float(np.sqrt((x @ x) * (y @ y)))

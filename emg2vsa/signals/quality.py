@@ -104,7 +104,8 @@ def _mains_waves(size: int, fs_hz: float) -> Floats:
 
 
 def falling_share(force_n: Floats, tolerance_n: float) -> float:
-    """Share of the path of ``force_n`` (n,) that falls; reversals up to ``tolerance_n`` are noise, not counted."""
+    """Share of the path of ``force_n`` (n,) that falls; reversals up to ``tolerance_n`` are noise, not counted. Both in
+    N."""
     rising = force_n[1:] > force_n[:-1]
     if force_n.size < 2 or np.all(rising):
         return 0.0
@@ -129,7 +130,7 @@ def _paths(turns: Sequence[float], tolerance: float) -> tuple[float, float]:
 
 
 def ratio_db(level: Floats, reference: Floats) -> Floats:
-    """20 log10 of two amplitudes; NaN where the reference is unknown, infinite where it is zero."""
+    """20 log10 of two amplitudes, (n,) dB; NaN where the reference is unknown, infinite where it is zero."""
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.asarray(20 * np.log10(level / reference))
 

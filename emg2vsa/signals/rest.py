@@ -30,7 +30,7 @@ class Baseline:
     knots_n: Floats
 
     def at(self, time_s: Floats) -> Floats:
-        """Rest force (n,) at times from the first sample."""
+        """Rest force (n,), N, at times (n,), s from the first sample."""
         return np.asarray(np.interp(time_s, self.knots_s, self.knots_n), dtype=np.float64)
 
 

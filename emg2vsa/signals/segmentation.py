@@ -49,7 +49,7 @@ class _Press:
 
 
 def find_presses(force_n: Floats, fs_hz: float, window_n: tuple[float, float]) -> Presses:
-    """Presses in the tared, filtered force (n,), n >= 2: from the last rise through ``window_n[0]`` before the first
+    """Presses in the tared, filtered force (n,), N, n >= 2: from the last rise through ``window_n[0]`` before the first
     reach of ``window_n[1]``, to that reach (paper IV.B). SignalError where force is not finite."""
     lower_n, upper_n = window_n
     starts, stops = runs_of(finite(force_n, "force to find presses in", at_least=2) >= lower_n)

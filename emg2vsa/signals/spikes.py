@@ -148,8 +148,11 @@ def beats_of(signals: Signals) -> Iterator[tuple[str, str]]:
 def repeated_of(
     signals: Signals, pieces: Sequence[Sequence[Floats]], alike: Sequence[int]
 ) -> Iterator[tuple[str, str]]:
-    """Stretches of samples that occur twice, as when a wireless link sends a packet again; ``alike``: how many samples
-    of each muscle at most have a value that another one has."""
+    """Stretches of samples that occur twice, as when a wireless link sends a packet again: muscle and sentence.
+
+    pieces : of each muscle, samples (k,) each. alike : how many samples of each muscle at most have a value that
+        another one has.
+    """
     weights = np.random.default_rng(0).uniform(1, 2, PACKET // 2)
     for muscle, of, most in zip(signals.muscles, pieces, alike, strict=True):
         n = sum(piece.size for piece in of) - PACKET + 1
