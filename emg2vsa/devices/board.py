@@ -75,11 +75,13 @@ class Board(Protocol):
         return self.is_active()
 
     def move_motors(self, motors_deg: Sequence[float]) -> None:
-        """Send each motor there, without feeding the watchdog otherwise; here the joint, at the full preset."""
+        """Send each motor there, degrees, without feeding the watchdog otherwise; here the joint, at the full
+        preset."""
         self.pressing().command(motors_deg[0], 1.0)
 
     def creep(self, motors_deg: Sequence[float]) -> None:
-        """Send each motor there once, at a speed that the device keeps by itself. DeviceError where it keeps none."""
+        """Send each motor there, degrees, once, at a speed that the device keeps by itself. DeviceError where it keeps
+        none."""
         wanted, found = "a device that keeps a speed by itself", "one that does not"
         raise DeviceError(self.where, wanted=wanted, found=found, do="Send it positions.")
 

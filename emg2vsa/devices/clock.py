@@ -32,7 +32,7 @@ class Clock(Protocol):
         """Time since the clock's start, s."""
 
     def sleep_until(self, time_s: float) -> None:
-        """Return at ``time_s``, or at once when that has passed."""
+        """Return at ``time_s``, s on this clock, or at once when that has passed."""
 
 
 class WallClock:
@@ -42,9 +42,11 @@ class WallClock:
         self._start_s = time.perf_counter()
 
     def now_s(self) -> float:
+        """Time, s, since this clock was made."""
         return time.perf_counter() - self._start_s
 
     def sleep_until(self, time_s: float) -> None:
+        """Return at ``time_s``, s, by some 0.1 ms or less."""
         # sleeping is good to about 0.1 ms; the rest is spent waiting, so that a 200 Hz loop keeps its period
         while (left_s := time_s - self.now_s()) > 0:
             if left_s > _WAIT_S:
@@ -58,9 +60,11 @@ class FastClock:
         self._wall, self.factor = WallClock(), factor
 
     def now_s(self) -> float:
+        """Time, s: ``factor`` times that of the wall."""
         return self._wall.now_s() * self.factor
 
     def sleep_until(self, time_s: float) -> None:
+        """Return at ``time_s``, s on this clock."""
         self._wall.sleep_until(time_s / self.factor)
 
 
@@ -71,9 +75,11 @@ class VirtualClock:
         self._now_s = 0.0
 
     def now_s(self) -> float:
+        """Time, s, up to which somebody has slept."""
         return self._now_s
 
     def sleep_until(self, time_s: float) -> None:
+        """Return at once; the time is ``time_s``, s, then, or stays where it was later."""
         self._now_s = max(self._now_s, time_s)
 
 
@@ -135,7 +141,8 @@ class Beat:
 
 
 def awaited(clock: Clock, within_s: float, every_s: float, look: Callable[[], T]) -> T | None:
-    """What ``look`` gives once that is something, asked again and again; None where it gives nothing for so long."""
+    """What ``look`` gives once that is something, asked again every ``every_s``; None where it gives nothing for
+    ``within_s``. Both in s."""
     end_s = clock.now_s() + within_s
     while not (found := look()):
         if clock.now_s() >= end_s:

@@ -211,26 +211,28 @@ class Joint(Protocol):
 
     @property
     def settles_s(self) -> float:
-        """So long after the start of a motion its deflection tells of inertia, and of no torque outside."""
+        """So long, s, after the start of a motion its deflection tells of inertia, and of no torque outside."""
 
     @property
     def preset_per_s(self) -> float:
-        """How fast the preset may change while nothing is pressed."""
+        """How fast the preset may change while nothing is pressed, 1/s."""
 
     def targets_deg(self, position_deg: float, preset: float) -> tuple[float, ...]:
-        """Where each motor goes. Empty where a motor itself gives way, and no command tells where it will stand."""
+        """Where each motor goes, degrees. Empty where a motor itself gives way, and no command tells where it will
+        stand."""
 
     def torque_nm(self, at: Measurements, position_deg: float, preset: float) -> float:
-        """External torque that the joint bears with this command in force; above 0: to larger angles."""
+        """External torque, N m, that the joint bears with this command (degrees and preset) in force; above 0: to
+        larger angles."""
 
     def position_deg(self, at: Measurements) -> float:
-        """Position for which the motors stand there."""
+        """Position, degrees, for which the motors stand there."""
 
     def preset_at(self, at: Measurements) -> float:
         """Preset for which the motors stand there; 0 where they do not tell."""
 
     def stiffness_nm_per_rad(self, preset: ArrayLike) -> Floats:
-        """At zero load, of presets of any shape."""
+        """At zero load, N m/rad, of presets of any shape."""
 
     def percent_for(self, stiffness_nm_per_rad: ArrayLike) -> Floats:
         """Preset, percent of the full one, of a stiffness at zero load; any shape. ScheduleError beyond what can be."""
@@ -286,7 +288,7 @@ class Actuator(Protocol):
         """Equilibrium, degrees, and stiffness preset, 0 to 1; a rigid motor has only the preset 0."""
 
     def position_deg(self) -> float:
-        """Where the motors stand, as the position of a command."""
+        """Where the motors stand, as the position of a command, degrees."""
 
     def measurements(self) -> Measurements:
         """Encoders of motors and shaft; what each motor means for the position is the joint's to say."""

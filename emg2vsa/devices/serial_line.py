@@ -64,7 +64,8 @@ class SerialLine:
         self._shut_others_out(True)
 
     def write(self, data: bytes) -> None:
-        """As `ByteLine`, and never waits: a port that does not take a frame at once is held up, and that is told."""
+        """As `ByteLine`, and never waits: a port that does not take a frame at once is held up. DeviceError tells
+        that."""
 
         def put() -> None:
             # pyserial waits on POSIX even where no wait is allowed
@@ -75,6 +76,8 @@ class SerialLine:
         self._guard(put)
 
     def read(self, count: int, timeout_s: float) -> bytes:
+        """As `ByteLine`: up to ``count`` bytes, waiting ``timeout_s`` (s) at most. DeviceError : the port is gone."""
+
         def take() -> bytes:
             self._port.timeout = timeout_s
             return bytes(self._port.read(count))
@@ -143,6 +146,7 @@ class LoopbackLine:
         self._unread += self._device(data)
 
     def read(self, count: int, timeout_s: float) -> bytes:
+        """As `ByteLine`: up to ``count`` bytes; where fewer are there, ``timeout_s`` (s) pass on the clock."""
         taken = bytes(self._unread[:count])
         del self._unread[:count]
         if len(taken) < count and self._clock:

@@ -66,7 +66,7 @@ class SourceBase:
 
     @property
     def info(self) -> StreamInfo:
-        """Known once started."""
+        """Known once started. DeviceError : it was not."""
         if self._info is None:
             raise self._not_started()
         return self._info

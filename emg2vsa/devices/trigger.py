@@ -32,7 +32,7 @@ class TriggerOut:
         return code, sent_s
 
     def turn(self, now_s: float) -> None:
-        """End a pulse that has lasted long enough."""
+        """End a pulse that has lasted long enough by ``now_s``, s."""
         if self._until_s is not None and now_s >= self._until_s:
             self._until_s = None
             with self._named():

@@ -79,7 +79,10 @@ class About:
 
 
 def about(task: str, mains_hz: float | None, electrode_mm: float | None, keys: Path | None) -> About:
-    """keys : JSON file with more keys for every _emg.json. SettingError : a distance or a file that cannot be."""
+    """keys : JSON file with more keys for every _emg.json. mains_hz : Hz. electrode_mm : between electrodes, mm.
+
+    SettingError : a distance or a file that cannot be.
+    """
     if electrode_mm is not None and not 0 < electrode_mm < 1000:
         found, do = f"{electrode_mm:g}", "Measure centre to centre."
         raise SettingError("--electrode-distance", wanted="millimetres above 0", found=found, do=do)
@@ -111,7 +114,7 @@ class Taken:
 
     @property
     def start_s(self) -> float:
-        """Of the channel that begins first."""
+        """Start of the channel that begins first, s."""
         return min(channel.start_s for channel in (*self.roles.emg.values(), self.roles.force))
 
 

@@ -135,7 +135,7 @@ class ClaimedElsewhere(DataError):
 
 @contextlib.contextmanager
 def claimed(claim: Path) -> Iterator[None]:
-    """Hold the claim of one step. ClaimedElsewhere where another process holds it."""
+    """Hold the claim of one step. Raises ClaimedElsewhere where another process holds it."""
     claim.parent.mkdir(parents=True, exist_ok=True)
     try:
         handle = os.open(claim, os.O_WRONLY | os.O_CREAT | os.O_EXCL)

@@ -28,7 +28,7 @@ def decided(tests: Anova | KruskalWallis | Outcomes, alpha: float, many: str, st
 
 
 def how_many(p: Floats, alpha: float, many: str, style: Style = "apa", does: str = "significant") -> str:
-    """``14 of 14 participants significant (largest p < .001)``; ``does`` : another word for significant."""
+    """``14 of 14 participants significant (largest p < .001)`` of p (n,); ``does`` : another word for significant."""
     p = p[np.isfinite(p)]
     if not p.size:
         return "not defined"

@@ -111,10 +111,10 @@ def drawing(results: StudyResults, name: str, title: str, caption: str, told: st
 
 
 def finite(values: Floats) -> Floats:
-    """Those that are."""
+    """Those of (n,) that are finite."""
     return np.asarray(values[np.isfinite(values)])
 
 
 def medians_said(rows: Iterable[tuple[str, Iterable[tuple[str, Floats]]]]) -> str:
-    """``0°: S1 9.81, S3 12.2; 30°: ...``, for those who do not see a figure."""
+    """``0°: S1 9.81, S3 12.2; 30°: ...``, medians of arrays (n,), for those who do not see a figure."""
     return "; ".join(f"{title}: " + ", ".join(f"{n} {number(median(v))}" for n, v in row) for title, row in rows)

@@ -108,7 +108,7 @@ class StudyResults:
 
     @property
     def used(self) -> NDArray[np.bool_]:
-        """Which fits enter the tests."""
+        """(fits,) which of them enter the tests."""
         return usable(self.recorded.fits, self.study.hypotheses.use)
 
     @property

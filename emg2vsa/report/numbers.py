@@ -45,17 +45,17 @@ def moments(name: str, values: Floats) -> Items:
 
 
 def least(values: Floats) -> float:
-    """Smallest finite value, or NaN."""
+    """Smallest finite value of (n,), or NaN."""
     return float(np.min(values, initial=np.inf, where=np.isfinite(values))) if np.isfinite(values).any() else np.nan
 
 
 def most(values: Floats) -> float:
-    """Largest finite value, or NaN."""
+    """Largest finite value of (n,), or NaN."""
     return -least(-values)
 
 
 def median(values: Floats) -> float:
-    """Of those that are numbers; NaN where none is finite."""
+    """Of those of (n,) that are numbers; NaN where none is finite."""
     return float(np.nanmedian(values)) if np.isfinite(values).any() else np.nan
 
 

@@ -69,7 +69,7 @@ def p_said(p: float, style: Style = "apa") -> str:
 
 
 def range_said(name: str, values: Floats, style: Style = "apa") -> str:
-    """One value in full (``η² = .32``), the range of many (``η² from .12 to .61``)."""
+    """One value of (n,) in full (``η² = .32``), the range of many (``η² from .12 to .61``)."""
     known = values[~np.isnan(values)]
     shown = span_said(known, style, share=_is_share(name))
     if known.size and " to " not in shown:
@@ -78,7 +78,7 @@ def range_said(name: str, values: Floats, style: Style = "apa") -> str:
 
 
 def span_said(values: Floats, style: Style = "apa", *, share: bool = False) -> str:
-    """``.32``, or ``.12 to .61``."""
+    """``.32``, or ``.12 to .61``, of (n,) without NaN."""
     known = values[~np.isnan(values)]
     if not known.size:
         return "not defined"

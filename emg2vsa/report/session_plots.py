@@ -56,7 +56,7 @@ LEGEND = in_colours_of_page(
 
 
 def force_trace(trials: Trials, window_n: tuple[float, float], name: str) -> str:
-    """Force of the whole record, loading phases shaded by verdict and numbered."""
+    """Force of the whole record, N over s, loading phases shaded by verdict and numbered. window_n : N."""
     time_s, force_n = thinned(trials.overview_time_s, trials.overview_force_n, _TRACE_POINTS)
     highest, lowest = (float(find(force_n, initial=0.0)) for find in (np.fmax.reduce, np.fmin.reduce))
     top, bottom = max(highest, window_n[1]) * 1.08, lowest

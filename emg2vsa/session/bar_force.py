@@ -41,7 +41,7 @@ class BarForce:
 
     @property
     def force_n(self) -> float:
-        """The newest; 0 before any sample."""
+        """The newest, N; 0 before any sample."""
         return 0.0 if self._raw_n is None else self._raw_n - self.zero_n
 
     def restart_peak(self) -> None:
@@ -86,14 +86,14 @@ class RecentForce:
         self._pieces: deque[tuple[float, Floats]] = deque()
 
     def take(self, samples: Floats, now_s: float) -> None:
-        """Samples (n,) that have come now."""
+        """Samples (n,), N, that have come at ``now_s``, s."""
         self._pieces.append((now_s, samples))
         while self._pieces[0][0] < now_s - ZERO_S:
             self._pieces.popleft()
 
     @property
     def mean_n(self) -> float:
-        """NaN where nothing came."""
+        """Mean, N; NaN where nothing came."""
         return float(np.nanmean(self._newton())) if self._pieces else math.nan
 
     @property

@@ -53,7 +53,8 @@ class SessionDesk:
         return participant_state(now), operator_state(now)
 
     def run(self, clock: Clock, beside: Callable[[float], None] = lambda now_s: None) -> LoopTiming:
-        """Turn until the session has ended. beside : called after each turn, as by an emulated operator."""
+        """Turn until the session has ended. beside : called after each turn with the time, s, as by an emulated
+        operator."""
         beat = Beat(clock, TURN_S)
         while self.session.state.ended is None:
             now_s, _ = beat.wait()

@@ -39,7 +39,8 @@ def to_judge(presses: Presses, stay: int) -> list[Tried]:
 
 
 def judged_from_s(presses: Presses, stay: int, begun_s: float, now_s: float, longest_s: float) -> float:
-    """The end of a press, after which no more than ``longest_s`` has passed; 0: all of the stay, begun at ``begun_s``.
+    """The end of a press, s, after which no more than ``longest_s`` has passed; 0: all of the stay, begun at
+    ``begun_s``.
 
     What was badly done and is done again is left behind, with the rest in which its cause was mended: an electrode that
     was off once, or a channel that was clipped, is no fault of what follows.
@@ -110,7 +111,7 @@ class JudgeFeed:
         self._ask_at_s = now_s + SETTLE_S
 
     def turn(self, now_s: float, state: SessionState) -> None:
-        """Hand over what has come, every ``FEED_S``, and ask what is due."""
+        """Hand over what has come by ``now_s`` (s), every ``FEED_S``, and ask what is due."""
         if now_s >= self._next_s:
             self._next_s = now_s + FEED_S
             self._flush_all()

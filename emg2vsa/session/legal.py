@@ -54,12 +54,12 @@ class Now:
 
     @property
     def break_s(self) -> float:
-        """Left of the break between specimens."""
+        """Left of the break between specimens, s."""
         return self.state.break_until_s - self.time_s
 
     @property
     def rest_s(self) -> float:
-        """Left of the rest between presses."""
+        """Left of the rest between presses, s."""
         return self.rest_until_s - self.time_s
 
     @property

@@ -39,13 +39,13 @@ class Liveness:
         self._came: deque[_Came] = deque()
 
     def take(self, samples: NDArray[np.float64], now_s: float) -> None:
-        """Samples (n, channels) that have come, n >= 1."""
+        """Samples (n, channels) that have come at ``now_s``, s, n >= 1."""
         self._came.append(_Came(now_s, len(samples), np.fmin.reduce(samples), np.fmax.reduce(samples)))
         while self._came[0].at_s < now_s - WINDOW_S:
             self._came.popleft()
 
     def problems(self, now_s: float) -> Iterator[str]:
-        """What is wrong in the last ``WINDOW_S``, a sentence each with what to do."""
+        """What is wrong in the last ``WINDOW_S`` before ``now_s``, s, a sentence each with what to do."""
         came = [each for each in self._came if each.at_s >= now_s - WINDOW_S]
         if now_s - self._begun_s < WINDOW_S or not came:
             return

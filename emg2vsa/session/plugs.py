@@ -84,7 +84,7 @@ class Plugs:
         "Number and attempt of the press whose begin has been sent."
 
     def emg(self, arrived: Arrived, envelopes_v: Floats) -> None:
-        """Samples and envelopes (n, muscles)."""
+        """Samples and envelopes (n, muscles), V."""
         self._push(lambda sent: sent.samples("EMG", arrived.samples, arrived.newest_s))
         self._push(lambda sent: sent.samples("envelopes", envelopes_v, arrived.newest_s))
 
@@ -110,7 +110,7 @@ class Plugs:
         return None
 
     def turn(self, now_s: float) -> None:
-        """End a pulse when its time has come."""
+        """End a pulse when its time, s, has come."""
         self._pulse(lambda trigger: trigger.turn(now_s))
 
     def close(self) -> None:

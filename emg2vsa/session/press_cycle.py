@@ -39,7 +39,7 @@ class Attempt:
 
     @property
     def reaction_s(self) -> float | None:
-        """From START to the lower force."""
+        """From START to the lower force, s; None for an early press or before it."""
         return None if self.early or self.begun_s is None else self.begun_s - self.start_s
 
 
@@ -74,13 +74,13 @@ class PressCycle:
         self.command = command
 
     def start(self, now_s: float, zero_n: float) -> None:
-        """START."""
+        """START at ``now_s``, s. zero_n : mean force before, N."""
         self.command, self.between = "start", False
         self.attempt = Attempt(now_s, zero_n=zero_n, peak_n=zero_n)
         self._low_since_s = None
 
     def give_up(self, now_s: float, ending: Ending, why: str) -> Attempt | None:
-        """End the attempt now; the participant is told to lift the finger."""
+        """End the attempt at ``now_s``, s; the participant is told to lift the finger."""
         ended = self._end(now_s, ending, why)
         if ended is not None:
             self.command = "stop"
@@ -90,7 +90,8 @@ class PressCycle:
     # what the force decides
 
     def turn(self, now_s: float, force_n: float) -> Attempt | None:
-        """The next command; the attempt that has ended at this moment, if one has."""
+        """The next command at ``now_s``, s, and this force, N; the attempt that has ended at this moment, if one
+        has."""
         if self.attempt is not None:
             self.attempt.peak_n = max(self.attempt.peak_n, force_n)
         low = force_n < self._settings.ready_n
@@ -160,7 +161,7 @@ class PressCycle:
     # what the pages show of it
 
     def speed(self, now_s: float, force_n: float) -> Speed:
-        """Whether the press is on its way to leave the band of loading times."""
+        """Whether the press, at ``now_s``, s, and this force, N, is on its way to leave the band of loading times."""
         if self.command != "press" or self.attempt is None or self.attempt.begun_s is None:
             return ""
         (lower_n, upper_n), (shortest_s, longest_s) = self._settings.force_n, self._settings.load_s
@@ -170,7 +171,7 @@ class PressCycle:
         return "too slow" if took_s > max(risen, 0.1) * longest_s else ""
 
     def overdue_s(self, now_s: float) -> float:
-        """How long the finger has been on the specimen since it was to be lifted; 0 when it is lifted in time."""
+        """How long, s, the finger has been on the specimen since it was to be lifted; 0 when it is lifted in time."""
         stop_s = None if self.attempt is None else self.attempt.stop_s
         if self.command != "stop" or stop_s is None:
             return 0.0

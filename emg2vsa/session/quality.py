@@ -83,7 +83,7 @@ def muscle_of(problem: str, muscles: Sequence[str]) -> str:
 
 
 def snr_db_of(rest_v: float | None, contraction_v: float | None) -> float | None:
-    """Of a muscle at maximum contraction over rest."""
+    """dB of a muscle at maximum contraction, V, over rest, V; None where either is not known or 0."""
     if not rest_v or not contraction_v:
         return None
     return float(20 * np.log10(contraction_v / rest_v))

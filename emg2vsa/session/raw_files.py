@@ -102,7 +102,7 @@ class SampleFile:
         return int((self.blocks.first + self.blocks.count).max(initial=0))
 
     def read(self, start: int, stop: int) -> NDArray[np.float64]:
-        """(stop - start, channels) samples with these numbers; NaN for those that are not there."""
+        """(n, channels) samples with the n numbers from ``start`` to ``stop``; NaN for those that are not there."""
         samples = np.full((stop - start, self._channels), np.nan)
         ends = self.blocks.first + self.blocks.count
         with self.path.open("rb") as file:

@@ -75,7 +75,8 @@ class SessionRecord:
         self._resume()
 
     def append(self, event: Event, time_s: float | None = None) -> Line:
-        """Add an event to the journal, and hand over its line; ``time_s`` where it happened before now.
+        """Add an event to the journal, and hand over its line; ``time_s``, s on the session's clock, where it happened
+        before now.
 
         UnicodeEncodeError : a text of the event cannot be written; no line is used up, and nobody is told.
         """
@@ -119,7 +120,7 @@ class SessionRecord:
         return self.safe_lines == self.lines
 
     def wait(self, timeout_s: float = 30.0) -> bool:
-        """Return when everything has reached the disk, or after the time; whether everything has."""
+        """Return when everything has reached the disk, or after the time, s; whether everything has."""
         return self._disk.wait(timeout_s)
 
     def close(self) -> None:

@@ -82,7 +82,7 @@ class RecordedStream:
         return self._lost_before + counts.lost + self.clock.report().missing + self._given_up
 
     def read(self, now_s: float) -> Iterator[Arrived]:
-        """What has come; nothing while the device is lost."""
+        """What has come by ``now_s``, s; nothing while the device is lost."""
         if self._source is None:
             self._look_again(now_s)
             return

@@ -151,12 +151,15 @@ class SampleClock:
     @overload
     def time_s(self, index: NDArray[np.int64]) -> NDArray[np.float64]: ...
     def time_s(self, index: int | NDArray[np.int64]) -> float | NDArray[np.float64]:
-        """When samples were measured, s on the session's clock; NaN before the first block."""
+        """When samples were measured, s on the session's clock; NaN before the first block.
+
+        index : number of a sample, or (n,) numbers; the answer has its shape.
+        """
         level_s = math.nan if self._level_s is None else self._level_s - self._delay_s
         return level_s + self._slope * self._place_of(index)
 
     def first_after(self, time_s: float, stop: int) -> int:
-        """Number of the first sample not before a time; ``stop`` where it is not among those before."""
+        """Number of the first sample not before a time, s; ``stop`` where it is not among those before."""
         return bisect_left(range(stop), time_s, key=self.time_s)
 
     def timing(self, first: int, stop: int) -> Timing:

@@ -31,8 +31,8 @@ class Screens:
         self._of_press = [self._last] if self._last is not None and self._last.hidden else []
 
     def take(self, report: ScreenReport, now_s: float) -> tuple[bool, ScreenReport | None]:
-        """Whether the page has just been hidden, and the report as it is to be told, with all commands since the last
-        one; None where it is not."""
+        """Whether the page has just been hidden, and the report as it is to be told at ``now_s``, s, with all commands
+        since the last one; None where it is not."""
         before, self._last = self._last, report
         self._of_press.append(report)
         news = before is None or before.hidden != report.hidden
@@ -57,7 +57,7 @@ class Screens:
 
     @property
     def age_ms(self) -> float | None:
-        """Of the force on the page since the press began (95 %); None without a page."""
+        """Age, ms, of the force on the page since the press began (95 %); None without a page."""
         return max((report.age_p95_ms for report in self._of_press), default=None)
 
     @property

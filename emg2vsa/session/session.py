@@ -118,7 +118,7 @@ class Session:
     # the turn
 
     def turn(self, now_s: float) -> None:
-        """Everything that has come until now, and everything that follows from it."""
+        """Everything that has come until ``now_s``, s, and everything that follows from it."""
         with self.lock:
             self.now_s = now_s
             for arrived in self.force.read(now_s):

@@ -87,7 +87,7 @@ class StaySignals:
 
     @property
     def duration_s(self) -> float:
-        """Of the EMG."""
+        """Length of the EMG, s."""
         return len(self.emg_v) / self.emg_fs_hz
 
 
@@ -120,7 +120,7 @@ class StoredStream:
         return self
 
     def span_s(self) -> tuple[float, float]:
-        """Times of the first and the last sample."""
+        """Times of the first and the last sample, s."""
         blocks = self.file.blocks
         if blocks.first.size == 0:
             return np.inf, -np.inf

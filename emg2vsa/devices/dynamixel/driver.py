@@ -181,7 +181,7 @@ class Dynamixel(Board):
         return torque.data[0] == ON and not torque.alert and watchdog != registers.WATCHDOG_EXPIRED
 
     def command(self, position_deg: float, preset: float) -> None:
-        """Equilibrium and stiffness. DeviceError outside the limits."""
+        """Equilibrium, degrees, and stiffness, a preset of 0 to 1. DeviceError outside the limits."""
         goal = self._goal(position_deg)
         if not 0 <= preset <= 1:
             raise self._trouble("a preset of 0 to 1", f"{preset:g}", "Correct the schedule.")
@@ -193,13 +193,14 @@ class Dynamixel(Board):
         self._set(registers.GOAL_POSITION, goal)
 
     def move_motors(self, motors_deg: Sequence[float]) -> None:
-        """Send a goal that the motor may refuse, as it does once its watchdog has run out."""
+        """Send a goal, degrees, that the motor may refuse, as it does once its watchdog has run out. DeviceError : it
+        is silent."""
         item = registers.GOAL_POSITION
         if self._talk.write(self.device_id, item.address, item.data(self._goal(motors_deg[0]))) is None:
             raise self._silence(item)
 
     def creep(self, motors_deg: Sequence[float]) -> None:
-        """Slowly, until the next activation."""
+        """Send the motor there, degrees, slowly, until the next activation."""
         self._set(registers.PROFILE_VELOCITY, _CREEP)
         self._set(registers.GOAL_POSITION, self._goal(motors_deg[0]))
 
@@ -208,7 +209,7 @@ class Dynamixel(Board):
         return self._get(registers.WATCHDOG) == registers.WATCHDOG_EXPIRED
 
     def position_deg(self) -> float:
-        """Where the shaft stands."""
+        """Where the shaft stands, degrees."""
         return self.measurements().shaft_deg
 
     def measurements(self) -> Measurements:
@@ -224,7 +225,7 @@ class Dynamixel(Board):
         return (current * CURRENT_UNIT_A,)
 
     def current_limit_a(self) -> float:
-        """The goal current, which the motor does not exceed, as it was read back at the activation."""
+        """The goal current, A, which the motor does not exceed, as it was read back at the activation."""
         self._ready()
         return self._limit_a
 

@@ -33,7 +33,7 @@ class GainJoint:
     settles_s: float = 0.3
 
     def targets_deg(self, position_deg: float, preset: float) -> tuple[float, ...]:
-        """None of any: the motor gives way itself, and does not stand at its command under load."""
+        """None of any (degrees): the motor gives way itself, and does not stand at its command under load."""
         return ()
 
     def torque_nm(self, at: Measurements, position_deg: float, preset: float) -> float:
@@ -49,7 +49,7 @@ class GainJoint:
         return 0.0
 
     def stiffness_nm_per_rad(self, preset: ArrayLike) -> Floats:
-        """Of presets 0 to 1 (any shape)."""
+        """Of presets 0 to 1 (any shape), N m/rad: proportional to the gain (ROBOTIS e-Manual, Position PID Gain)."""
         return np.asarray(preset, dtype=np.float64) * self.full_preset
 
     def percent_for(self, stiffness_nm_per_rad: ArrayLike) -> Floats:
@@ -62,7 +62,7 @@ class GainJoint:
         return wanted * 100 / self.full_preset
 
     def rounded(self, preset: ArrayLike) -> Floats:
-        """The nearest presets that are whole gains, where the full gain is known."""
+        """The nearest presets (any shape) that are whole gains, where the full gain is known."""
         given = np.asarray(preset, dtype=np.float64)
         return given if self.full_gain is None else np.asarray(np.rint(given * self.full_gain) / self.full_gain)
 

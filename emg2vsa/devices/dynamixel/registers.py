@@ -53,9 +53,10 @@ def model_named(number: int) -> str | None:
 
 
 def supposed_nm_per_rad(model: Model, gain: int) -> float:
-    """Stiffness at a gain that nobody has measured, for the guards of what measures it, and for nothing else.
+    """Stiffness, N m/rad, at a gain that nobody has measured, for the guards of what measures it, and for nothing else.
 
-    That an error of one pulse times gain / 128 is a current in its unit is a guess."""
+    That an error of one pulse times gain / 128 is a current in its unit, A, is a guess.
+    """
     return MOTORS[model].nm_per_a * CURRENT_UNIT_A * gain / 128 * 4096 / (2 * math.pi)
 
 
@@ -178,7 +179,7 @@ class DynamixelInfo:
     temperature_c: int = _told(TEMPERATURE)
 
     def limits_deg(self) -> tuple[float, float]:
-        """The position limits as angles of the joint, whose zero is the middle of a turn."""
+        """The position limits as angles of the joint, degrees, whose zero is the middle of a turn."""
         low, high = ((pulses - ZERO_PULSE) * DEG_PER_PULSE for pulses in self.limits_pulses)
         return low, high
 

@@ -90,6 +90,7 @@ class LslSource(SourceBase):
         self._ended = threading.Event()
 
     def start(self) -> None:
+        """Find the stream, open it and wait for its first samples. DeviceError : none is found, or it is gone."""
         self.close()
         self._samples = 0
         found = self._resolved()
@@ -114,6 +115,8 @@ class LslSource(SourceBase):
             raise
 
     def read(self) -> list[Block]:
+        """Samples that have come, by the sender's stamps. DeviceError : not started, silent too long, or foreign
+        stamps."""
         if self._inlet is None:
             raise self._not_started()
         now_s = self._clock.now_s()

@@ -15,7 +15,8 @@ def outlet(
 ) -> Any:  # fmt: skip
     """An outlet of pylsl, which other programs can find at once.
 
-    kind : its type, as LSL calls it ("EMG", "Markers"). labels, unit : of its channels. fs_hz : 0 for an irregular one.
+    kind : its type, as LSL calls it ("EMG", "Markers"). labels, unit : of its channels. fs_hz : rate, Hz; 0 for an
+        irregular one.
     source : its id, by which an inlet finds it again after a new start. about : of the sender.
     """
     info = lsl.StreamInfo(name, kind, len(labels), fs_hz, form, source)

@@ -182,7 +182,8 @@ class NetFtConfig:
 
 
 def fetch_config(host: str, port: int = 80, timeout_s: float = 2.0) -> NetFtConfig:
-    """The active configuration of the box at ``host``. Raises DeviceError when it does not answer or makes no sense."""
+    """The active configuration of the box at ``host``. Raises DeviceError when it does not answer within ``timeout_s``
+    (s) or makes no sense."""
     where = f"http://{host}:{port}{PATH}"
     # straight to the box: a proxy set for the web does not know it
     connection = http.client.HTTPConnection(host, port, timeout=timeout_s)

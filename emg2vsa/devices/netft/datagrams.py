@@ -60,6 +60,7 @@ class UdpLine:
         self._guard(lambda: self._socket.send(data))
 
     def receive(self) -> Datagram | None:
+        """The next datagram that has come, or None. DeviceError : the line is gone."""
         try:
             if not hasattr(self._socket, "recvmsg"):
                 return Datagram(self._socket.recv(_LARGEST_BYTES), 0.0)
@@ -92,7 +93,7 @@ class DatagramDevice(Protocol):
         """A datagram came; ``client`` is called with every datagram for its sender and the time it was sent."""
 
     def run_until(self, time_s: float) -> None:
-        """Send everything that is due."""
+        """Send everything that is due by ``time_s``, s."""
 
 
 class LoopbackDatagrams:

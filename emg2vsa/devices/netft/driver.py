@@ -95,6 +95,7 @@ class NetFt:
         self._forget()
 
     def start(self) -> None:
+        """Ask for records and wait for the first. DeviceError : none comes."""
         self.stop()
         self._clock.sleep_until(self._clock.now_s() + QUIET_S)
         for _ in range(MOST_DATAGRAMS):  # more come faster than they can be taken

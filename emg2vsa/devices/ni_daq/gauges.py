@@ -58,6 +58,7 @@ class DaqFt:
         self._records = 0
 
     def start(self) -> None:
+        """Start the inputs and wait for samples. DeviceError : none come."""
         self._source.start()
         if not awaited(self._clock, FIRST_S, _POLL_S, lambda: len(self._arrived())):
             raise self._silent(FIRST_S)
@@ -76,6 +77,7 @@ class DaqFt:
         return ForceCounts(records=self._records)
 
     def bias(self) -> None:
+        """Take the mean voltages of a short while as zero. DeviceError : no samples come."""
         self._arrived()
         self._clock.sleep_until(self._clock.now_s() + BIAS_S)
         volts = self._arrived()

@@ -58,7 +58,8 @@ class NiInputs:
         "When the last sample was read, or the task was started."
 
     def add(self, channels: Sequence[str], count: int, range_v: tuple[float, float], *, differential: bool) -> NiGroup:
-        """Channels of the task, such as Dev1/ai0 or Dev1/ai0:5, ``count`` in all, before it starts."""
+        """Channels of the task, such as Dev1/ai0 or Dev1/ai0:5, ``count`` in all, before it starts. range_v : lowest
+        and highest, V."""
         group = NiGroup(self, tuple(channels), count, range_v, differential)
         self._groups.append(group)
         return group
@@ -182,6 +183,7 @@ class NiGroup:
             raise DeviceError(self.name, wanted=f"{self._count} channels", found=f"{found}", do=do)
 
     def read_volts(self) -> NDArray[np.float64]:
+        """Samples (n, channels), V, that have come since the last call; n may be 0."""
         taken = [each.volts for each in self.read()]
         return np.concatenate(taken) if taken else np.empty((0, self.columns.stop - self.columns.start))
 
@@ -254,6 +256,7 @@ class NiEmg(SourceBase):
         self._samples = self._next = self._before = 0
 
     def start(self) -> None:
+        """Start the card and wait for samples. DeviceError : none come."""
         settings = self._settings
         self._samples = self._next = 0
         self._group.start()

@@ -47,7 +47,7 @@ class FramePace:
         self._due_s = 0.0
 
     def take(self, time_s: float) -> int | None:
-        """How many frames are missing before the one of ``time_s``; None when that one is not due."""
+        """How many frames are missing before the one of ``time_s``, s; None when that one is not due."""
         if self._taken_s is None:
             self._taken_s, self._due_s = time_s, time_s + self._period_s
             return 0
@@ -146,6 +146,7 @@ class OpenCvCamera:
         self._capture: Any = None
 
     def start(self) -> None:
+        """Open the camera, lock its settings and wait for a frame. DeviceError : it does not open, or gives none."""
         self._capture = self._open(self._source)
         if not self._capture.isOpened():
             raise self._lost("none that opens")
@@ -161,6 +162,7 @@ class OpenCvCamera:
             raise self._lost("no frame")
 
     def frames(self) -> list[Frame]:
+        """Frames that have come since the last call. DeviceError : not started, or silent for ``lost_s``."""
         # asked before the frames are taken, or the last ones of a camera that ends would be lost
         alive = self._thread.is_alive()
         frames = [self._waiting.popleft() for _ in range(len(self._waiting))]

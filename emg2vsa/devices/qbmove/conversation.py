@@ -31,7 +31,7 @@ class Conversation:
         self.counts.requests += 1
 
     def ask(self, request: bytes, expected: Wanted, *, timeout_s: float, attempts: int) -> Reply | None:
-        """The reply, or None after so many attempts."""
+        """The reply, or None after so many attempts that each waited ``timeout_s``, s."""
         for attempt in range(attempts):
             if attempt:
                 self.line.write(flushing(request))
@@ -45,7 +45,9 @@ class Conversation:
 
     def ask_text(self, request: bytes, *, timeout_s: float, again: bool) -> str:
         """The bare text that follows ``request``, until the line falls silent, or longer than any text.
-        ``again``: the last may be cut short."""
+
+        timeout_s : until its first byte, s. again : the last may be cut short.
+        """
         if again:
             self.line.write(flushing(request))
         self.line.drop_input()

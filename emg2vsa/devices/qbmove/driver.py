@@ -96,7 +96,10 @@ class Qbmove(Board):
         return f"{int.from_bytes(reply):010d}" if reply else ""
 
     def info(self) -> QbmoveInfo:
-        """What the device says about itself. Generation 6 has no checksum here: two equal readings count."""
+        """What the device says about itself. Generation 6 has no checksum here: two equal readings count.
+
+        DeviceError : no answer, or no two equal ones.
+        """
         if self.generation == "v7":
             payload = self._ask(Command.GET_INFO, packets.info_frame(self.device_id), b"\0\0", _LONG_REPLY_S)
             return parse_info(payload.rstrip(b"\0").decode("ascii", "replace"), self.where)
@@ -220,7 +223,7 @@ class Qbmove(Board):
         return position_ticks, stiffness
 
     def position_deg(self) -> float:
-        """Equilibrium (q1 + q2)/2 of the motors where they stand."""
+        """Equilibrium (q1 + q2)/2 of the motors where they stand, degrees."""
         at = self.ticks()
         return (at.motor_1 + at.motor_2) / 2 * DEG_PER_TICK
 
@@ -236,13 +239,13 @@ class Qbmove(Board):
         return Ticks(*self._ask_words(Command.GET_MEASUREMENTS, 3))
 
     def currents_a(self) -> tuple[float, ...]:
-        """Motor currents with the sign of the PWM. (134, currents and positions at once, loses the shaft.)"""
+        """Motor currents, A, with the sign of the PWM. (134, currents and positions at once, loses the shaft.)"""
         first_ma, second_ma = self._ask_words(Command.GET_CURRENTS, 2)
         return first_ma / 1000, second_ma / 1000
 
     def current_limit_a(self) -> float:
-        """Largest current of a motor as the device told at its activation; its firmware keeps it only in the current
-        modes, which no run uses."""
+        """Largest current of a motor, A, as the device told at its activation; its firmware keeps it only in the
+        current modes, which no run uses."""
         return self._ready_limits().info.current_limit_ma / 1000
 
     def parameters(self) -> dict[int, Parameter]:
@@ -394,7 +397,7 @@ class RigidMotor:
         self._board.move_motors((position_deg, 0.0))
 
     def position_deg(self) -> float:
-        """Where motor 1 stands; motor 2, not connected, has no say."""
+        """Where motor 1 stands, degrees; motor 2, not connected, has no say."""
         return self._board.measurements().motors_deg[0]
 
     def measurements(self) -> Measurements:

@@ -68,18 +68,18 @@ class SpringJoint:
         self.preset_per_s = _PRESET_TICKS_PER_S / self.full_ticks
 
     def targets_deg(self, position_deg: float, preset: float) -> tuple[float, float]:
-        """Equation (8) the other way round: theta1 and theta2 of an equilibrium and a preset."""
+        """Equation (8) the other way round: theta1 and theta2, degrees, of an equilibrium, degrees, and a preset."""
         apart_deg = preset * self.full_preset
         return position_deg + apart_deg, position_deg - apart_deg
 
     def torque_nm(self, at: Measurements, position_deg: float = 0.0, preset: float = 0.0) -> float:
-        """As `Joint`: by where motors and shaft are, whatever is commanded."""
+        """As `Joint`, N m: by where motors and shaft are, whatever is commanded."""
         springs, (first_deg, second_deg) = self.springs, at.motors_deg
         first, second = math.radians(at.shaft_deg - first_deg), math.radians(at.shaft_deg - second_deg)
         return springs.k1_nm * _sinh(springs.a1_per_rad * first) + springs.k2_nm * _sinh(springs.a2_per_rad * second)
 
     def position_deg(self, at: Measurements) -> float:
-        """Equation (8): (theta1 + theta2)/2."""
+        """Equation (8): (theta1 + theta2)/2, degrees."""
         return (at.motors_deg[0] + at.motors_deg[1]) / 2
 
     def preset_at(self, at: Measurements) -> float:
@@ -87,13 +87,17 @@ class SpringJoint:
         return (at.motors_deg[0] - at.motors_deg[1]) / 2 / self.full_preset
 
     def stiffness_nm_per_rad(self, preset: ArrayLike) -> Floats:
-        """At zero load, of presets of any shape; their sign does not matter."""
+        """At zero load, N m/rad, of presets of any shape; their sign does not matter."""
         preset_rad = np.abs(self.preset_rad(preset))
         return stiffness_at(unloaded_deflection_rad(preset_rad, self.springs), preset_rad, self.springs)
 
     def percent_for(self, stiffness_nm_per_rad: ArrayLike) -> Floats:
-        """By bisection, to the last digit of the stiffness. Near preset 0, where stiffness is flat, the preset is known
-        to fewer digits."""
+        """Presets, percent, of stiffnesses in N m/rad at zero load, of any shape.
+
+        By bisection, to the last digit of the stiffness. Near preset 0, where stiffness is flat, the preset is known to
+        fewer digits.
+        ScheduleError : a stiffness that the springs cannot reach.
+        """
         wanted = np.asarray(stiffness_nm_per_rad, dtype=np.float64)
         least, most = self.stiffness_nm_per_rad(np.array([0, MOTOR_LIMIT_TICKS]) / self.full_ticks)
         if not np.all((wanted >= least) & (wanted <= most)):
@@ -112,11 +116,12 @@ class SpringJoint:
         return high * 100 / self.full_ticks
 
     def rounded(self, preset: ArrayLike) -> Floats:
-        """Whole ticks."""
+        """The nearest presets (any shape) that are whole ticks."""
         return np.asarray(np.rint(np.asarray(preset, dtype=np.float64) * self.full_ticks) / self.full_ticks)
 
     def preset_rad(self, preset: ArrayLike) -> Floats:
-        """Angle of each motor from their middle; whole ticks are whole, however their share was rounded."""
+        """Angle of each motor from their middle, rad, of presets of any shape; whole ticks are whole, however their
+        share was rounded."""
         ticks = np.asarray(preset, dtype=np.float64) * self.full_ticks
         whole = np.rint(ticks)
         return np.asarray(np.where(np.abs(ticks - whole) < _WHOLE, whole, ticks) * RAD_PER_TICK)

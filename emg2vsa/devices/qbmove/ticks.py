@@ -55,7 +55,7 @@ class Ticks(NamedTuple):
 
 
 def to_ticks(angle_deg: float) -> int:
-    """The nearest whole tick."""
+    """The nearest whole tick to an angle in degrees."""
     return round(angle_deg / DEG_PER_TICK)
 
 

@@ -126,7 +126,7 @@ class RigForce(SourceBase):
 
 
 def unit_axis(axis: tuple[float, float, float]) -> NDArray[np.float64]:
-    """The direction, of length 1. SettingError when it has none."""
+    """The direction (3,), of length 1. SettingError when it has none."""
     length = math.hypot(*axis)
     if not length or not math.isfinite(length):
         do = "Give the direction of a pressing finger in the sensor's axes: [0, 0, -1]."

@@ -63,7 +63,7 @@ class TrignoCommands:
         self.version = greeting.split()[-1]
 
     def ask(self, command: str) -> str:
-        """The reply, without the blanks around it."""
+        """The reply, without the blanks around it. DeviceError : the server is lost, or silent."""
         try:
             self._socket.sendall(command.encode("ascii") + END)
         except OSError as error:
@@ -74,7 +74,7 @@ class TrignoCommands:
         return reply
 
     def order(self, command: str, wanted: str = "OK", do: str = "Restart the Trigno Control Utility.") -> None:
-        """Give a command that must be obeyed."""
+        """Give a command that must be obeyed. DeviceError : another reply than ``wanted``."""
         reply = self.ask(command)
         if not reply.startswith(wanted):
             raise DeviceError(self.where, wanted=f"{wanted} to {command}", found=reply, do=do)
@@ -316,7 +316,8 @@ class _Zeros:
 
 
 def port_rate_hz(commands: TrignoCommands) -> float:
-    """Rate of the EMG port: the highest of all EMG channels of paired sensors. DeviceError where none tells a rate."""
+    """Rate of the EMG port, Hz: the highest of all EMG channels of paired sensors. DeviceError where none tells a
+    rate."""
     rates = []
     for sensor in range(1, SLOTS + 1):
         if commands.ask(f"SENSOR {sensor} PAIRED?") == "YES":

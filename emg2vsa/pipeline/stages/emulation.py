@@ -37,6 +37,10 @@ def alone_in(campaign: Campaign, item: str) -> Path:
 
 
 def run(given: Given) -> list[Path]:
+    """Press one mounting, and give its files. What it makes is whole or not there.
+
+    SettingError : guards that this program has changed. DataError : a measured run lies in its place.
+    """
     import os
     import shutil
 

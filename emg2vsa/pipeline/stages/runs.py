@@ -72,6 +72,7 @@ def takes(campaign: Campaign, item: str) -> list[tuple[str, str]]:
 
 
 def run(given: Given) -> RunScores:
+    """Score the presses of one run. DataError : its folders hold none."""
     from emg2vsa.errors import DataError
     from emg2vsa.rig.record.new_folder import over_bytes
     from emg2vsa.run_folders.presses import is_simulated, read_presses, run_notes, run_setup

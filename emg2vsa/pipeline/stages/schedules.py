@@ -17,6 +17,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
 
 def run(given: Given) -> tuple[Schedule, ...]:
+    """The schedules of all specimens and conditions. DataError : there are no profiles."""
     from emg2vsa import artifacts
     from emg2vsa.errors import DataError
     from emg2vsa.schedules.build import build_schedules

@@ -58,7 +58,10 @@ def _role(name: str, number: int) -> str:
 
 
 def run(given: Given) -> Trials:
-    """The presses of one recording, or of all of the item's; one that cannot be used is left out of several."""
+    """The presses of one recording, or of all of the item's; one that cannot be used is left out of several.
+
+    Raises the first fault where none can be used.
+    """
     import numpy as np
 
     from emg2vsa.extraction.join import join_trials
