@@ -88,7 +88,7 @@ def runs_of(mask: NDArray[np.bool_]) -> tuple[Ints, Ints]:
 
 
 def mean_of(values: Floats) -> Floats:
-    """Mean along the last axis of the values that are there; NaN where there is none."""
+    """Mean along the last axis of the values (..., n) that are there; NaN where there is none."""
     there = np.isfinite(values)
     with np.errstate(invalid="ignore"):
         return np.asarray(np.sum(values, axis=-1, where=there) / np.count_nonzero(there, axis=-1))

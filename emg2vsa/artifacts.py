@@ -43,7 +43,7 @@ def save(path: Path, product: Any) -> None:
 
 
 def load(path: Path) -> Any:
-    """Read what ``save`` wrote. DamagedResult where the file is not that."""
+    """Read what ``save`` wrote. Raises DamagedResult where the file is not that."""
     data = _checked(path)
     try:
         start = _START + 8

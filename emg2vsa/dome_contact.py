@@ -50,11 +50,11 @@ class PowerLaw:
         self.per_mm = 2 * (1 - exponent) * modulus_mpa * tip_radius_mm * c**exponent
 
     def force_n(self, depth_mm: float) -> float:
-        """Normal force at an indentation along the normal; exactly 0 without one."""
+        """Normal force, N, at an indentation along the normal, mm; exactly 0 without one."""
         return (self.per_mm * depth_mm) ** self.power if depth_mm > 0 else 0.0
 
     def depth_mm(self, force_n: float) -> float:
-        """Indentation along the normal at a normal force."""
+        """Indentation along the normal, mm, at a normal force, N."""
         return float(force_n ** (1 / self.power) / self.per_mm)
 
     def resistance(self, depth_mm: float) -> tuple[float, float]:
@@ -65,12 +65,12 @@ class PowerLaw:
         return force_n, self.power * force_n / depth_mm
 
     def radius_mm(self, force_n: ArrayLike) -> Floats:
-        """Contact radius at normal forces of any shape; 0 where nothing presses."""
+        """Contact radius, mm, at normal forces, N, of any shape; 0 where nothing presses (Hertz 1881 for n = 1/3)."""
         force = np.maximum(np.asarray(force_n, dtype=np.float64), 0.0)
         return np.asarray(self.tip_radius_mm * (force / self._unit_n) ** self.exponent, dtype=np.float64)
 
     def area_mm2(self, force_n: ArrayLike) -> Floats:
-        """Contact area at normal forces of any shape."""
+        """Contact area, mm2, at normal forces, N, of any shape."""
         return np.asarray(np.pi * self.radius_mm(force_n) ** 2, dtype=np.float64)
 
 
@@ -99,11 +99,11 @@ class ElasticDome:
                 raise SettingError(field.name, wanted="a number above 0", found=repr(value), do="Correct the contact.")
 
     def specimen_mpa(self, stiffness_n_per_mm: float) -> float:
-        """Reduced modulus of a specimen, MPa."""
+        """Reduced modulus of a specimen, MPa, from its stiffness, N/mm (Sneddon 1965: a flat punch on a half-space)."""
         return stiffness_n_per_mm / punch_on_half_space_mm(self.punch_radius_mm)
 
     def modulus_mpa(self, stiffness_n_per_mm: float) -> float:
-        """Reduced modulus of dome and specimen in series, MPa."""
+        """Reduced modulus of dome and specimen in series, MPa, from the specimen's stiffness, N/mm."""
         return 1 / (1 / self.sensor_modulus_mpa + 1 / self.specimen_mpa(stiffness_n_per_mm))
 
     def stiffness_n_per_mm(self, modulus_mpa: float) -> float:
@@ -113,5 +113,5 @@ class ElasticDome:
         return punch_on_half_space_mm(self.punch_radius_mm) / (1 / modulus_mpa - 1 / self.sensor_modulus_mpa)
 
     def on(self, stiffness_n_per_mm: float) -> PowerLaw:
-        """Its contact with a specimen."""
+        """Its contact with a specimen of this stiffness, N/mm."""
         return PowerLaw(self.modulus_mpa(stiffness_n_per_mm), self.tip_radius_mm, self.exponent)

@@ -43,8 +43,8 @@ def compare_participants(
 ) -> Choice | None:
     """How far the participants' schedules are apart; None where fewer than two have every exported specimen.
 
-    The arguments are those of ``profiles.build_profiles``; what is used is the participant that ``profile`` names, the
-    medoid, or the mean over participants.
+    stiffness_n_per_mm : of specimens, N/mm. The arguments are those of ``profiles.build_profiles``; what is used is the
+        participant that ``profile`` names, the medoid, or the mean over participants.
     """
     rows, used = usable(fits, use), profile.participant
     specimens = profile.specimens or in_study_order(fits.specimen[rows], stiffness_n_per_mm)
@@ -72,6 +72,8 @@ def compare_participants(
 
 
 def in_study_order(specimens: NDArray[np.str_], stiffness_n_per_mm: Mapping[str, float]) -> list[str]:
+    """Names among ``specimens`` (n,), each once: those of known stiffness, N/mm, in the order of the study, then the
+    others."""
     present = dict.fromkeys(specimens.tolist())
     return [name for name in dict.fromkeys([*stiffness_n_per_mm, *present]) if name in present]
 

@@ -120,12 +120,11 @@ def fit_trials(
     judgements: Sequence[PressJudgement] = (),
     edges_n: Floats | None = None,
 ) -> Fits:
-    """Fit every trial of a recording, the rejected ones too, and reject those whose fit is no fit.
+    """Fit every trial of a recording (paper, eq. 6), the rejected ones too, and reject those whose fit is no fit.
 
     ``judgements`` of people have the last word, that on a press before that on its recording, except that what could
     not be fitted stays rejected, and so does a press of a recording with a fault unless all of it is accepted.
-    edges_n : of the force bins, in place of those that ``fit`` and ``window`` make.
-
+    edges_n : (B + 1,) of the force bins, N, in place of those that ``fit`` and ``window`` make.
     With inverse-variance weights a bin counts as its number of samples over the square of its fitted level
     (``fit_log_by_level``); its errors allow for the envelope's memory (``bin_covariance``). On samples they do not.
     """

@@ -45,6 +45,7 @@ class Channel:
 
     @property
     def duration_s(self) -> float:
+        """Length of the channel, s."""
         return self.samples.size / self.fs_hz
 
 
@@ -58,6 +59,7 @@ class Recording:
     notes: tuple[str, ...] = ()
 
     def channel(self, name: str) -> Channel:
+        """The channel of this name. RecordingError : there is none."""
         for channel in self.channels:
             if channel.name == name:
                 return channel

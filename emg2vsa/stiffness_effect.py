@@ -59,7 +59,8 @@ class StiffnessEffect:
 
 
 def replicates_needed(difference: Floats, sd: float) -> Floats:
-    """In each of four cells, for a difference of two contrasts at 5 % and a power of 80 %; each score has that ``sd``.
+    """In each of four cells, for a difference (n,) of two contrasts at 5 % and a power of 80 %; each score has that
+    ``sd``.
 
     Logarithms: a contrast is that of a ratio of two scores. Infinite for no difference.
     """

@@ -50,11 +50,12 @@ class Specimen:
 
     @property
     def size_mm(self) -> tuple[float, float] | None:
-        """Diameter and height, where both are known."""
+        """Diameter and height, mm, where both are known."""
         return (self.diameter_mm, self.height_mm) if self.diameter_mm and self.height_mm else None
 
     def stiffness_over(self, force_n: tuple[float, float]) -> tuple[float, float]:
-        """Stiffness over other forces and its standard error; 95 % reach from no change to twice that of its course."""
+        """Stiffness over other forces, N, and its standard error, both N/mm; 95 % reach from no change to twice that of
+        its course."""
         assert self.stiffness_n_per_mm is not None
         own, shift = self.stiffness_range_n, 0.0
         if own is not None:
@@ -228,18 +229,18 @@ class Study(StageSettings):
 
     @property
     def stiffness_n_per_mm(self) -> dict[str, float]:
-        """Specimen name to stiffness, for the specimens whose stiffness is known."""
+        """Specimen name to stiffness, N/mm, for the specimens whose stiffness is known."""
         return {s.name: s.stiffness_n_per_mm for s in self.specimens if s.stiffness_n_per_mm is not None}
 
     @property
     def pressed_n_per_mm(self) -> dict[str, float]:
-        """The same for whatever the rig may press: the new specimen as well."""
+        """Name to stiffness, N/mm, of whatever the rig may press: the new specimen as well."""
         new, stiffness = self.profile.new_specimen, self.profile.new_stiffness_n_per_mm
         return self.stiffness_n_per_mm | ({new: stiffness} if new and stiffness else {})
 
     @property
     def heights_mm(self) -> dict[str, float | None]:
-        """Specimen name to its height, of the new specimen as well; None where it is not known."""
+        """Specimen name to its height, mm, of the new specimen as well; None where it is not known."""
         new = {self.profile.new_specimen: self.profile.new_height_mm} if self.profile.new_specimen else {}
         return {each.name: each.height_mm for each in self.specimens} | new
 

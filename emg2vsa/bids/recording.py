@@ -79,7 +79,7 @@ class Channel:
         return self.pair or self.label
 
     def cells(self, electrode_mm: float | None) -> tuple[object, ...]:
-        """In the order of ``CHANNEL_COLUMNS``. electrode_mm : distance of the two, None where it is not known."""
+        """In the order of ``CHANNEL_COLUMNS``. electrode_mm : distance of the two, mm; None where it is not known."""
         said = (f"surface EMG of {self.muscle}" if self.muscle else "pressing force") + self.said
         rate, unit = self.stated_hz or f"{self.fs_hz:.10g}", self.unit or ABSENT
         tail = (ABSENT, "good", self.told or ABSENT)

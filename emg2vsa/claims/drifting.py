@@ -36,7 +36,8 @@ class Difference:
 
     @property
     def freed(self) -> Floats:
-        """Without drift, where the order tells it; one degree of freedom of the scatter went to the slope."""
+        """(n,) values without drift, where the order tells it; one degree of freedom of the scatter went to the
+        slope."""
         if self.slope.value != self.slope.value:
             return self.values
         rest = self.values - self.by.by_order.value * self._known

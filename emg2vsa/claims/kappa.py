@@ -59,10 +59,10 @@ class Laws(Protocol):
     """What gives the estimate of a design, and its law by a vision algorithm; None where it was not calibrated."""
 
     def headline(self, condition: str, angle_deg: float, algorithm: str) -> Headline | None:
-        """By the pins, or by the law of ``algorithm``."""
+        """By the pins, or by the law of ``algorithm``. angle_deg : degrees."""
 
     def law(self, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
-        """By CASR."""
+        """By CASR. angle_deg : degrees."""
 
 
 def kappa_claims(found: Laws, own: str, margins: ClaimSettings, *, hexagons: bool = True) -> Iterator[Claim]:

@@ -48,7 +48,8 @@ def implied_casr(angle_deg: float, kappa_n_per_mm: float) -> float:
 
 
 def implied_ratio(angle_deg: float) -> float:
-    """CASR of the softest specimen over that of the stiffest, as the curve of this angle implies them."""
+    """CASR of the softest specimen over that of the stiffest, as the paper's curve of this angle, degrees, implies
+    them."""
     stiffest, *_, softest = KAPPA_N_PER_MM.values()
     return implied_casr(angle_deg, softest) / implied_casr(angle_deg, stiffest)
 

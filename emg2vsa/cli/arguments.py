@@ -61,7 +61,7 @@ def channels_of(arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def recording_of(arguments: argparse.Namespace, command: str) -> RecordingEntry:
-    """The one recording that the options describe, its source among them."""
+    """The one recording that the options describe, its source among them. SettingError : an option is absent."""
     from emg2vsa.errors import SettingError
     from emg2vsa.settings import ChannelSettings, FilterSettings, WindowSettings
     from emg2vsa.study import RecordingEntry
@@ -92,7 +92,7 @@ def reading_of(arguments: argparse.Namespace, command: str) -> ReadingSettings:
 
 
 def check_rate(fs_hz: float | None) -> None:
-    """SettingError for a rate of --fs that cannot be."""
+    """SettingError for a rate of --fs, Hz, that cannot be."""
     from emg2vsa.errors import SettingError
 
     if fs_hz is not None and not 0 < fs_hz < float("inf"):
@@ -100,7 +100,7 @@ def check_rate(fs_hz: float | None) -> None:
 
 
 def checked_settings(command: str, asked: dict[str, tuple[type, dict[str, Any]]]) -> dict[str, Any]:
-    """The settings of each name, or every problem in them."""
+    """The settings of each name. Raises StudyError with every problem in them."""
     from emg2vsa.errors import StudyError
     from emg2vsa.study_file.problems import checked
 

@@ -30,6 +30,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Freeze the plan of a study in a file. SettingError : another ending than .json, or a second rig file."""
     from emg2vsa.errors import SettingError
     from emg2vsa.pipeline.registered import as_it_is
     from emg2vsa.registration import document, read_registration, write_registration

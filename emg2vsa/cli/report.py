@@ -112,6 +112,7 @@ def verify(arguments: argparse.Namespace) -> int:
 
 
 def schedule(arguments: argparse.Namespace) -> int:
+    """Write the schedules of the chosen specimens and conditions. ScheduleError : the study gives none."""
     from emg2vsa import artifacts
     from emg2vsa.cli.progress import progress
     from emg2vsa.errors import ScheduleError

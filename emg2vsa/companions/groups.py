@@ -132,10 +132,12 @@ class PairTests:
 
     @property
     def first(self) -> Ints:
+        """(q,) number of the first group of each pair."""
         return self.lsd.first
 
     @property
     def second(self) -> Ints:
+        """(q,) number of the second group of each pair."""
         return self.lsd.second
 
     @property

@@ -69,7 +69,8 @@ class WholeCurve:
         return list(zip(first, second, strict=True))
 
     def neighbours(self, stiffness_n_per_mm: Mapping[str, float]) -> list[int]:
-        """Numbers of the pairs of neighbours in stiffness, the stiffest first; of names if fewer than 2 are known."""
+        """Numbers of the pairs of neighbours in stiffness, N/mm, the stiffest first; of names if fewer than 2 are
+        known."""
         names = self.specimens.tolist()
         known = [name for name in names if name in stiffness_n_per_mm]
         ordered = sorted(known, key=stiffness_n_per_mm.__getitem__, reverse=True) if len(known) > 1 else names
@@ -106,7 +107,7 @@ class WholeCurve:
         return CurveRows(**rows | {"from_n": self.from_n[start], "to_n": self.to_n[last]})
 
     def differing(self) -> Floats:
-        """Share of the forces compared at which all specimens, then those of each pair, differ."""
+        """(1 + pairs,) share of the forces compared at which all specimens, then those of each pair, differ."""
         found, whole_n = self.ranges(), np.sum(self.to_n - self.from_n)
         return np.bincount(found.pair + 1, found.to_n - found.from_n, len(self.pairs) + 1) / whole_n
 

@@ -16,9 +16,10 @@ _CHI2 = 3.841458820694124
 
 
 def first_contact(x: Floats, y: Floats, from_n: float) -> tuple[tuple[float, float, float], float, int]:
-    """(depth of first touch, lower and upper end of its 95 % interval), force of rest, and points of rest: the first
-    ones, or 0.
+    """(depth of first touch, lower and upper end of its 95 % interval), mm, force of rest, N, and points of rest: the
+    first ones, or 0.
 
+    x, y : (n,) depth, mm, and force, N, of the loading. from_n : F0, N.
     Up to twice F0 the force is one level, and from the touch on a line and a parabola, neither of which falls; the
     interval is that of the likelihood over the touch. With no rest the force is taken as zero where there is none.
     """
@@ -51,7 +52,7 @@ def first_contact(x: Floats, y: Floats, from_n: float) -> tuple[tuple[float, flo
 
 
 def force_at_start(x: Floats, y: Floats) -> tuple[float, float]:
-    """Force at the first point and its standard error, by a line through the first ones."""
+    """Force at the first of the points x, y (n,) and its standard error, by a line through the first ones."""
     line = fit_line(x[None, :REST] - x[0], y[None, :REST])
     return float(line.intercept[0]), float(line.intercept_se[0])
 

@@ -43,7 +43,11 @@ class ForceBins:
 
 
 def bin_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
-    """Edges (B + 1,) from ``lowest_n`` in steps of ``bin_n``; a last, shorter bin is kept (0.5, 0.8, ... 6.8, 7)."""
+    """Edges (B + 1,), N, from ``lowest_n`` in steps of ``bin_n``; a last, shorter bin is kept (0.5, 0.8, ... 6.8, 7;
+    paper IV.B).
+
+    SettingError : the lower force does not come first.
+    """
     if not highest_n > lowest_n:
         raise SettingError(
             "window.force_n",
@@ -57,7 +61,7 @@ def bin_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
 
 
 def fit_edges(lowest_n: float, highest_n: float, bin_n: float) -> Floats:
-    """``bin_edges`` of the bins of a fit. SettingError where there would be more than ``MOST_BINS``."""
+    """``bin_edges`` (B + 1,), N, of the bins of a fit. SettingError where there would be more than ``MOST_BINS``."""
     if (bins := (highest_n - lowest_n) / bin_n) > MOST_BINS + 1e-6:
         raise SettingError(
             "fit.bin_n",

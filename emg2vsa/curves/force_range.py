@@ -89,7 +89,7 @@ class RangeFit:
     told: tuple[str, ...] = ()
 
     def half_width(self, error: Floats | float) -> Floats:
-        """Of the 95 % interval of numbers with this standard error."""
+        """Of the 95 % interval of numbers with this standard error, a scalar or (g,)."""
         return np.asarray(t_975(self.dof) * error)
 
     @property
@@ -226,8 +226,8 @@ def t_975(dof: float) -> float:
 
 
 def loading(depth_mm: Floats, force_n: Floats) -> tuple[Floats, Floats, tuple[str, ...]]:
-    """(n,) depth and force of the first press up to its deepest point, turned where both fall, and what was done; that
-    ends with a question where only one of both falls."""
+    """(n,) depth, mm, and force, N, of the first press up to its deepest point, turned where both fall, and what was
+    done; that ends with a question where only one of both falls."""
     known = np.isfinite(depth_mm) & np.isfinite(force_n)
     x, y = depth_mm[known], force_n[known]
     told: tuple[str, ...] = ()

@@ -97,7 +97,8 @@ def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
 
 
 def line_of_sums(p: int, x_mean: Floats, y_mean: Floats, sxx: Floats, sxy: Floats, syy: Floats, sse: Floats) -> Line:
-    """Lines through p > 2 points a row that count alike and differ in x, by means, sums about them and of residuals."""
+    """Lines through p > 2 points a row that count alike and differ in x, by means (d,), sums about them (d,) and of
+    residuals (d,)."""
     slope, variance, unexplained = sxy / sxx, sse / (p - 2), sse / syy
     return Line(
         intercept=y_mean - slope * x_mean,
@@ -132,10 +133,11 @@ def _dot(left: Floats, right: Floats) -> Floats:
 
 
 def fit_line_huber(x: Floats, y: Floats, weights: Floats) -> Line:
-    """Iteratively reweighted least squares, scale from the median absolute residual.
+    """Iteratively reweighted least squares, scale from the median absolute residual. x, y, weights : (d, n), as in
+    ``fit_line``.
 
-    Shapes as in ``fit_line``. Standard errors are Huber's H1 (Huber and Ronchetti 2009, 7.6), as in R's MASS::rlm
-    and statsmodels' RLM; R^2 is that of the final weighted fit.
+    Standard errors are Huber's H1 (Huber and Ronchetti 2009, 7.6), as in R's MASS::rlm and statsmodels' RLM; R^2 is
+    that of the final weighted fit.
     """
     used = weights > 0
     root = np.sqrt(weights)
@@ -212,6 +214,7 @@ class WeightedRows:
 
     @property
     def dof(self) -> Ints:
+        """(d,) degrees of freedom of a line."""
         return np.maximum(self.n - 2, 0)
 
     def explained_by(self, fitted: Floats) -> tuple[Floats, Floats]:

@@ -158,7 +158,8 @@ def fit_log_by_level(
 def fit_log_weighted(
     force_n: Floats, v: Floats, weights: Floats, robust: bool = False, confidence: float = 0.95
 ) -> LogFit:
-    """Fit with the weights (k, p) that are given; force_n, v : (k, p), NaN where there is no point."""
+    """Fit (equation 6) with the weights (k, p) that are given; force_n, v : (k, p), N and V, NaN where there is no
+    point."""
     return _log_fit(_fit_points(np.log(force_n), v, weights, robust), confidence)
 
 
@@ -188,7 +189,7 @@ def level_weights(level: Floats) -> Floats:
 
 
 def said_of_forces(force_n: Floats) -> list[str]:
-    """For each fit on the forces (k, p), NaN where there is none, why its slope is ill-conditioned, or "".
+    """For each fit on the forces (k, p), N, NaN where there is none, why its slope is ill-conditioned, or "".
 
     b rests on differences of ln F: forces within a share e of each other leave 16 + log10(e) digits of a double.
     """

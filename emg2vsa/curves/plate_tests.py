@@ -176,8 +176,11 @@ def plate_tests(
     trials: Sequence[PlateTrial], range_n: tuple[float, float], *, whole: bool = False, window: int = PAPER_WINDOW,
     simulated: bool = False, spread: Spread | None = None,
 ) -> PlateTests:  # fmt: skip
-    """The line of the paper ends where the range of force does. range_n, whole : as for ``fit_range``; window : as for
-    ``fit_plate``; spread : between presses, mountings and castings where there is one."""
+    """Every trial fitted. The line of the paper ends where the range of force does.
+
+    range_n : as for ``fit_range``, N. whole : as there. window : as for ``fit_plate``.
+    spread : between presses, mountings and castings where there is one.
+    """
     alone = tuple(fit_range(each.depth_mm, each.force_n, range_n, each.height_mm, whole=whole) for each in trials)
     ranges = _common(trials, alone)
     pressed, rubbers, times = [], [], []

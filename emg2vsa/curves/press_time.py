@@ -24,7 +24,7 @@ class PressTime:
 
 
 def press_time(depth_mm: Floats, force_n: Floats, time_s: Floats) -> PressTime | None:
-    """(n,) each, as measured; NaN is left out. None where time does not rise."""
+    """How fast a plate pressed. (n,) each, mm, N and s, as measured; NaN is left out. None where time does not rise."""
     known = np.isfinite(depth_mm) & np.isfinite(force_n) & np.isfinite(time_s)
     x, y, t = depth_mm[known], force_n[known], time_s[known]
     if x.size < _LEAST or not np.all(np.diff(t) >= 0) or not np.ptp(t) > 0:

@@ -54,7 +54,8 @@ class Cylinder:
         return 1e-3 * plate_on_cylinder_mm(self.diameter_mm / 2, self.height_mm, bonded=self.ends == "bonded")
 
     def force_n(self, depth_mm: Floats, modulus_kpa: float, second: float = 1.0, law: str = "neo-hooke") -> Floats:
-        """Of this depth past contact, below the height."""
+        """Force (n,), N, at this depth (n,), mm, past contact, below the height (Treloar 1975). modulus_kpa : E,
+        kPa."""
         stretch = 1 - np.maximum(depth_mm, 0) / self.height_mm
         return np.asarray(self.n_per_mm_per_kpa * self.height_mm * LAWS[law](stretch, modulus_kpa, second))
 
@@ -98,7 +99,10 @@ class Rubber:
 
 
 def fit_rubber(depth_mm: Floats, force_n: Floats, cylinder: Cylinder, press: RangeFit) -> Rubber:
-    """depth_mm, force_n : (n,) of the loading, as ``loading`` gives it. press : its fit over a range of force."""
+    """Laws of rubber through one press (Treloar 1975).
+
+    depth_mm, force_n : (n,) mm and N of the loading, as ``loading`` gives it. press : its fit over a range of force.
+    """
     if press.rating == "unusable":
         return Rubber(np.nan, np.nan, ())
     deepest = press.contact + _MOST_STRAIN * cylinder.height_mm

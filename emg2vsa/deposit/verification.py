@@ -51,7 +51,10 @@ class Data:
 
 
 def data_of(deposit: Deposit, given: Path | None) -> Data:
-    """The data in ``given``; without it inside the package, where its report says, or beside it."""
+    """The data in ``given``; without it inside the package, where its report says, or beside it.
+
+    DataError : ``given`` is no folder.
+    """
     if given is not None and not given.is_dir():
         found = "a file" if given.exists() else "no such folder"
         do = "Name the folder from which the study file names its data."

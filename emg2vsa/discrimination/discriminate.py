@@ -164,10 +164,12 @@ def discriminate(
 ) -> Discrimination:
     """Test ``runs``, one a specimen, angle and condition.
 
-    stiffness_n_per_mm : of every specimen, the new one included; only its order is used. new_specimen : the one whose
-    stiffness is to be estimated, which enters no test of the known ones; it need not have been pressed. mounting_sd :
-    standard deviation of a score from one mounting to the next, as a share of it, see ``compare_conditions`` and
-    ``contrasts``. schedule_of : as in ``Discrimination``.
+    stiffness_n_per_mm : of every specimen, the new one included, N/mm; only its order is used.
+    new_specimen : the one whose stiffness is to be estimated, which enters no test of the known ones; it need not have
+        been pressed.
+    mounting_sd : standard deviation of a score from one mounting to the next, as a share of it, see
+        ``compare_conditions`` and ``contrasts``.
+    schedule_of : as in ``Discrimination``.
     DataError as ``run_table``, and where fewer than two known specimens were pressed.
     """
     settings = settings or DiscriminationSettings()

@@ -49,7 +49,7 @@ class RunTable:
         return [i for i in range(len(self.specimens)) if i != self.new]
 
     def design(self, condition: str, angle_deg: float) -> int:
-        """Number of a design, -1 where there is none."""
+        """Number of the design of this condition and angle, degrees; -1 where there is none."""
         designs = zip(self.conditions, self.angles_deg.tolist(), strict=True)
         return next((i for i, design in enumerate(designs) if design == (condition, angle_deg)), -1)
 

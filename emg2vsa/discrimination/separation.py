@@ -29,7 +29,7 @@ class Gaps:
     high: Floats
 
     def at(self, places: Ints) -> Gaps:
-        """Those at ``places``."""
+        """Those at ``places`` (k,)."""
         return Gaps(self.gap[places], self.low[places], self.high[places])
 
     def less(self, other: Gaps) -> Gaps:
@@ -64,7 +64,8 @@ def gap_of(mountings: Mountings, design: int, pair: tuple[int, int], confidence:
 
 
 def closest_pair(stiffness_n_per_mm: Floats, used: Iterable[int]) -> tuple[int, int]:
-    """Places of the two neighbours, stiffer first, whose stiffness differs least as a ratio; specimens stiffest first.
+    """Places of the two neighbours, stiffer first, whose stiffness (S,), N/mm, stiffest first, differs least as a
+    ratio.
 
     used : at least two places.
     """

@@ -102,7 +102,7 @@ class Writer:
             self._ask(_Kept(write, line, True))
 
     def wait(self, timeout_s: float | None = None) -> bool:
-        """Return when everything asked for before is done, or after the time; whether it is."""
+        """Return when everything asked for before is done, or after the time, s; whether it is."""
         if self._thread is None:
             return self._work_off()
         done = threading.Event()

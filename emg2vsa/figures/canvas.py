@@ -62,7 +62,10 @@ def panel_grid(
     rows: int, shares: Sequence[float], panel_mm: float, margins_mm: Sequence[float], gaps_mm: tuple[float, float],
     width_mm: float = TWO_COLUMNS_MM, letters: str = ascii_lowercase,
 ) -> tuple[Figure, list[list[Axes]]]:  # fmt: skip
-    """The same row by row, with letters. panel_mm : height of a panel. gaps_mm : between columns, between rows."""
+    """``new_figure`` row by row, with letters.
+
+    panel_mm : height of a panel, mm. margins_mm : left, right, bottom, top. gaps_mm : between columns, between rows.
+    """
     left, right, bottom, top = margins_mm
     across, down = gaps_mm
     height_mm = bottom + top + rows * panel_mm + (rows - 1) * down
@@ -187,7 +190,8 @@ def stars(p: float) -> str:
 
 
 def hazen_box(values: Floats) -> tuple[float, float, float, float, float]:
-    """Lower whisker, quartiles, upper whisker. Hazen's quantiles, as MATLAB's boxplot; whiskers within 1.5 IQR."""
+    """Lower whisker, quartiles, upper whisker of (n,) values. Hazen's quantiles, as MATLAB's boxplot; whiskers within
+    1.5 IQR."""
     low, median, high = np.quantile(values, (0.25, 0.5, 0.75), method="hazen")
     reach = 1.5 * (high - low)
     inside = values[(values >= low - reach) & (values <= high + reach)]

@@ -59,7 +59,7 @@ def _trends(axes: Axes, profiles: Sequence[tuple[Profile, str, Look, Floats | No
 def draw_interpolation(
     measured: Sequence[Profile], new: Profile, half_v: Floats, looks: Mapping[str, Look], scale: ActivityScale
 ) -> Figure:
-    """``half_v`` (G,) of the band of ``new``."""
+    """An interpolated profile beside the measured ones (paper, Fig. 11). half_v : (G,) of the band of ``new``, V."""
     across = 3 if max(len(profile.specimen) for profile in measured) <= _SHORT else 1
     top = 4 + 4 * -(-(len(measured) + 1) // across)
     figure, (axes,) = canvas.new_figure(canvas.ONE_COLUMN_MM, 58 + top, (13, 3, 11, top))

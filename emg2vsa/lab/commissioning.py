@@ -89,12 +89,12 @@ def check_reference(
     file: RigFile, stated_n_per_mm: float, *, reach_deg: float = REACH_DEG, motor: bool = False, virtual: bool = False,
     person: Person = NOBODY,
 ) -> ReferenceProof | None:  # fmt: skip
-    """Press a reference of this stiffness with the flat plate, and keep what was found beside the rig file; None where
-    nobody is ready.
+    """Press a reference of this stiffness, N/mm, with the flat plate, and keep what was found beside the rig file; None
+    where nobody is ready.
 
     Runs of the rigid motor take its current as their second witness, for 12 hours, until the force sensor is switched
-    off. virtual : on the emulated rig, for runs on that. SettingError : a reach or a stiffness that cannot be.
-    DeviceError : as `hand_rig` and `press_reference`.
+    off. reach_deg : of the shaft, degrees. virtual : on the emulated rig, for runs on that.
+    SettingError : a reach or a stiffness that cannot be. DeviceError : as `hand_rig` and `press_reference`.
     """
     _check_reach(reach_deg)
     if not _SOFTEST <= stated_n_per_mm <= _STIFFEST:
@@ -172,7 +172,7 @@ class AtThePad:
         )
 
     def moved_mm(self, degrees: float) -> float | None:
-        """How far the probe went, by a calliper."""
+        """How far the probe went, mm, by a calliper; None where nobody says. degrees : that the shaft turned."""
         question = (
             f"The probe has gone back from the pad, {degrees:.2f} degrees of the shaft. How far, in mm, by a calliper? "
             "(Enter: not measured) "
@@ -203,7 +203,7 @@ class AtTheBench:
         self._touch_mm = self._bench.probe()[0]
 
     def moved_mm(self, degrees: float) -> float:
-        """How far the probe went."""
+        """How far the probe went, mm."""
         return abs(self._touch_mm - self._bench.probe()[0])
 
 

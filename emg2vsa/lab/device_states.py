@@ -68,9 +68,10 @@ def scan(
 ) -> tuple[DeviceState, ...]:  # fmt: skip
     """Serial adapters as actuators have; who answers on ``ports`` and those of the rig file; its sensor and camera.
 
-    kind : of actuator that is asked for on ``ports``. baud : of ``ports``; None: as the kind has it. ids : the only
-    ones to ask; none: all that there are. wait_s : for each answer. SettingError : no such kind.
-    Nothing is sent to a port or address that is not named. DeviceError where the rig of the file is in use.
+    kind : of actuator that is asked for on ``ports``. baud : of ``ports``; None: as the kind has it.
+    ids : the only ones to ask; none: all that there are. wait_s : for each answer, s.
+    SettingError : no such kind. Nothing is sent to a port or address that is not named. DeviceError where the rig of
+        the file is in use.
     """
     clock = WallClock()
     boards = [board for board in (file.devices.actuator, file.devices.motor) if board] if file else []

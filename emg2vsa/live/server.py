@@ -98,7 +98,8 @@ def _end(server: uvicorn.Server, until: Event) -> None:
 
 
 def own_address(text: str) -> str:
-    """One IPv4 address; 0.0.0.0 would leave open by which name a browser may call this computer."""
+    """One IPv4 address; 0.0.0.0 would leave open by which name a browser may call this computer. SettingError : that,
+    or no address."""
     try:
         address = ipaddress.IPv4Address(text)
     except ValueError:

@@ -57,7 +57,8 @@ class Law:
     power: float | None = None
 
     def axis(self, force_n: ArrayLike, top_n: float) -> Floats:
-        """The force whose logarithm the law is linear in; top_n : highest force of the window."""
+        """The force, N, whose logarithm the law is linear in, at forces of any shape, N; top_n : highest force of the
+        window, N."""
         force = np.asarray(force_n, dtype=np.float64)
         return force if self.power is None else np.exp(np.maximum(force / top_n, 0.0) ** self.power)
 

@@ -84,7 +84,7 @@ def by_person(
 def measured_as(
     new: str, new_n_per_mm: float, pressed: Iterable[str], stiffness_n_per_mm: Mapping[str, float], used: Iterable[str]
 ) -> str | None:
-    """The pressed specimen of the same name, or of the same stiffness and not ``used``; None without one."""
+    """The pressed specimen of the same name, or of the same stiffness, N/mm, and not ``used``; None without one."""
     pressed = tuple(pressed)
     twins = (s for s in pressed if stiffness_n_per_mm.get(s) == new_n_per_mm and s not in used)
     return new if new in pressed else next(twins, None)

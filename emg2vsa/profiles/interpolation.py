@@ -56,7 +56,11 @@ def between(
 
 
 def softer_weight(k: float, stiffer: float, softer: float, method: str, where: str) -> float:
-    """alpha, the weight of the softer of two specimens; all stiffnesses in N/mm."""
+    """alpha, the weight of the softer of two specimens (paper VI.B: kappa / 10 by method "paper"); all stiffnesses in
+    N/mm.
+
+    DataError : by that method, a kappa above 10 N/mm.
+    """
     if method == "log-stiffness":
         return (math.log(stiffer) - math.log(k)) / (math.log(stiffer) - math.log(softer))
     if method != "paper":

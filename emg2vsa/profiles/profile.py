@@ -114,7 +114,7 @@ class Profiles:
         return f"{self.errors.count.max(initial=0)} people"
 
     def half_width_v(self, profile: Profile) -> Floats:
-        """Half of the pointwise interval (G,) of one of these profiles at its forces; NaN where it is not known."""
+        """Half of the pointwise interval (G,), V, of one of these profiles at its forces; NaN where it is not known."""
         if self.errors is None:
             return np.full(profile.force_n.size, np.nan)
         return self.errors.half_width(profile.weights_at(np.log(profile.force_n)))

@@ -19,7 +19,7 @@ Splines = Mapping[tuple[str, str], MonotoneSpline]
 def cell_splines(fits: Fits, use: str, range_n: tuple[float, float]) -> dict[tuple[str, str], MonotoneSpline]:
     """Of every cell, through all bins of the trials that ``use`` admits, weighted as in their fits of the logarithm.
 
-    Without force bins there are none.
+    range_n : of the spline, N. Without force bins there are none.
     """
     found = {}
     for cell, own in rows_of_cells(fits, use).items():
@@ -32,7 +32,7 @@ def cell_splines(fits: Fits, use: str, range_n: tuple[float, float]) -> dict[tup
 
 
 def of_specimen(splines: Splines, participants: NDArray[np.str_], specimen: str) -> MonotoneSpline | None:
-    """Mean curve of these people, each the same; None where one of them has none."""
+    """Mean curve of these people (n,), each the same; None where one of them has none."""
     own = [splines.get((who, specimen)) for who in dict.fromkeys(participants.tolist())]
     known = [each for each in own if each is not None]
     return mean_spline(known) if own and len(known) == len(own) else None

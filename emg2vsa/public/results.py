@@ -161,8 +161,10 @@ def load(study: StudyFile) -> Results:
 def run(study: StudyFile, *, only: str | None = None, jobs: int | None = None, paths: bool = False) -> Results:
     """Bring a study up to date, as ``emg2vsa run``, and load its results.
 
-    only : stop after this stage. jobs : processes; all cores where it is None (a script then needs the usual
-    ``if __name__ == "__main__"``). paths : also how far each verdict hangs on choices of analysis.
+    only : stop after this stage.
+    jobs : processes; all cores where it is None (a script then needs the usual ``if __name__ == "__main__"``).
+    paths : also how far each verdict hangs on choices of analysis.
+    DataError : no such stage. SettingError : ``jobs`` or ``paths`` that cannot be.
     """
     if only is not None and only not in ORDER:
         raise DataError("only", wanted=f"one of {', '.join(ORDER)}", found=repr(only), do="Choose one of these.")

@@ -27,7 +27,8 @@ def chosen_runs(
     conditions: Sequence[str] = (),
     mountings: Sequence[int] = (),
 ) -> tuple[Run, ...]:
-    """Runs of the experiment with these specimens, angles, conditions and mountings, in order; none given is all.
+    """Runs of the experiment with these specimens, angles (degrees), conditions and mountings, in order; none given is
+    all.
 
     SettingError : a name or number that the experiment has not, or no run with all of them.
     """

@@ -90,8 +90,11 @@ def recipe_for(
     specimen: str, wanted_n_per_mm: float, diameter_mm: float = 50.0, height_mm: float | None = None,
     range_n: tuple[float, float] = WindowSettings().force_n,
 ) -> Recipe:  # fmt: skip
-    """The silicone whose cylinder has this stiffness at the height that strains it least; with a stated height the one
-    that comes nearest. SettingError : none does."""
+    """The silicone whose cylinder has this stiffness, N/mm, at the height that strains it least; with a stated height,
+    mm, the one that comes nearest.
+
+    range_n : between which the stiffness is meant, N. SettingError : none does.
+    """
     found = []
     for silicone in SILICONES:
         height = height_mm or _height(silicone, wanted_n_per_mm, diameter_mm, range_n)
@@ -128,6 +131,7 @@ def _height(silicone: Silicone, wanted: float, diameter_mm: float, range_n: tupl
 
 
 def lines(recipes: Sequence[Recipe], range_n: tuple[float, float]) -> Iterator[str]:
+    """The recipes as a table to read: mm, and N/mm over ``range_n``, N."""
     yield (
         f"{'specimen':<10}{'wanted':>8}  {'silicone':<30}{'diameter':>9}{'height':>8}{'kappa (95 % of castings)':>28}"
         f"{'change':>8}{'strain':>8}"
@@ -158,7 +162,7 @@ def _notes(recipes: Sequence[Recipe]) -> Iterator[str]:
 
 
 def specimens_toml(recipes: Sequence[Recipe], range_n: tuple[float, float]) -> str:
-    """The recipes as ``[[specimens]]`` of a study file."""
+    """The recipes as ``[[specimens]]`` of a study file. range_n : of their stiffness, N."""
     text = f"# Specimens to be cast, as emg2vsa tools cast wrote them. {SOURCE}.\n"
     text += "# Stiffness is what is expected, not measured: emg2vsa tools stiffness --write measures it.\n"
     for each in recipes:
@@ -176,7 +180,7 @@ height_mm = {each.size.height_mm:g}
 
 
 def write_specimens(path: Path, recipes: Sequence[Recipe], range_n: tuple[float, float]) -> None:
-    """DataError where there is a file already."""
+    """Write ``specimens_toml`` over ``range_n``, N. DataError where there is a file already."""
     if path.exists():
         raise DataError(path, wanted="a new file", found="one that is there", do="Choose another name.")
     write_text_atomic(path, specimens_toml(recipes, range_n))

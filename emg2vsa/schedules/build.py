@@ -59,7 +59,7 @@ def _step_means(profile: Profile, edges_n: Floats) -> Floats:
 
 
 def mean_over_steps(a_v: float, b_v: float, edges_n: Floats) -> Floats:
-    """Mean (K,) of a + b ln F over each step between ``edges_n`` (K + 1,), in closed form.
+    """Mean (K,), V, of a + b ln F over each step between ``edges_n`` (K + 1,), N, in closed form (of paper, eq. 6).
 
     The mean of ln F from F1 to F2 is (F2 ln F2 - F1 ln F1)/(F2 - F1) - 1, written here so that it does not cancel.
     """

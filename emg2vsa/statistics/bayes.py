@@ -38,6 +38,7 @@ class BayesFactors:
 
     @property
     def bf01(self) -> Floats:
+        """(d,) how much likelier the data are without an effect."""
         return np.asarray(np.exp(self.log_bf01))
 
     def outcome(self, i: int = 0) -> Outcome:

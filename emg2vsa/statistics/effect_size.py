@@ -28,7 +28,7 @@ _GAMMA_RATIO = (1.0, -1 / 8, 1 / 128, 5 / 1024, -21 / 32768, -399 / 262144, 869 
 
 
 def noncentral_t(df: Floats, nc: Floats, t: Floats) -> Floats:
-    """P(T <= t) for t >= 0; nc of either sign. NaN where an argument is."""
+    """P(T <= t) for t >= 0; nc of either sign; arrays (n,) or of one shape. NaN where an argument is."""
     far = nc > _FAR_T
     near = np.asarray(special.nctdtr(df, np.where(far, 0.0, nc), t), dtype=np.float64)
     if not far.any():
@@ -38,7 +38,7 @@ def noncentral_t(df: Floats, nc: Floats, t: Floats) -> Floats:
 
 
 def noncentral_f(df1: Floats, df2: Floats, nc: Floats, f: Floats) -> Floats:
-    """P(F <= f) for f >= 0 and nc >= 0. NaN where an argument is.
+    """P(F <= f) for f >= 0 and nc >= 0; arrays (n,) or of one shape. NaN where an argument is.
 
     Far from 0 the numerator's third moment is left out: 1e-10 at most.
     """

@@ -159,5 +159,6 @@ def largest_d(n: int) -> float:
 
 
 def reach(d: Floats, n: int) -> Floats:
-    """-n log(1 - (D / largest D)^2) for D below the largest: about proportional to -log p in the tail, whatever n."""
+    """-n log(1 - (D / largest D)^2) for D (d,) below the largest: about proportional to -log p in the tail,
+    whatever n."""
     return np.asarray(-n * np.log1p(-((d / largest_d(n)) ** 2)))

@@ -129,7 +129,7 @@ def mixed_variances(fit: RemlFit, confidence: float = 0.95) -> MixedVariances:
 
 
 def ratio_interval(cells: Cells, ratios: Floats, confidence: float) -> tuple[float, float]:
-    """SD of participants to that of repetitions, where the likelihood is largest at ``ratios``."""
+    """Interval of the SD of participants to that of repetitions, where the likelihood is largest at ``ratios`` (2,)."""
     low, high = np.sqrt(_ends(by_ratios(cells), ratios, 0, confidence))
     return float(low), float(high)
 

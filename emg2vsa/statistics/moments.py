@@ -34,7 +34,8 @@ class GroupMoments:
     mean: Floats
 
     def to_data(self, scaled: Floats) -> Floats:
-        """Numbers (d, ...) of the first power of the data, back in the data's own unit."""
+        """Numbers (d, ...) of the first power of the data, back in the data's own unit: a scalar or more of each
+        design."""
         return np.asarray(np.ldexp(scaled, self.unit.reshape(-1, *(1,) * (scaled.ndim - 1))))
 
 
@@ -88,7 +89,7 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
 
 
 def finite_or_nan(values: Floats) -> Floats:
-    """The same values. DataError where one is infinite: that is neither a number nor missing."""
+    """The same values, of any shape. DataError where one is infinite: that is neither a number nor missing."""
     if count := int(np.count_nonzero(np.isinf(values))):
         raise DataError(
             "values to test", wanted="finite numbers, and NaN where one is missing",

@@ -71,7 +71,7 @@ class At:
         return free * np.log(self.residual_squares / free) + self.logs
 
     def slope(self, free: int) -> NDArray[Any]:
-        """Derivatives of `deviance` along t1 and t2."""
+        """(2,) derivatives of `deviance` along t1 and t2."""
         return np.asarray(free * self.residual_slopes / self.residual_squares + self.log_slopes)
 
 
@@ -200,7 +200,7 @@ def best_ratios(cells: Cells) -> Floats:
 
 
 def lowest(cost: Cost, start: Floats, moving: NDArray[np.bool_], *, search: bool = False) -> Floats:
-    """Parameters at which ``cost`` is lowest, those not ``moving`` as in ``start``, none below 0.
+    """Parameters (k,) at which ``cost`` is lowest, those not ``moving`` (k,) as in ``start`` (k,), none below 0.
 
     search : from a start that is far away; otherwise Newton's steps are tried first.
     """

@@ -94,6 +94,7 @@ def prove_watchdog(arguments: argparse.Namespace) -> int:
 
 
 def off(arguments: argparse.Namespace) -> int:
+    """Switch motors off; returns 1 where one has a problem. SettingError : not one of a rig file and a port."""
     from emg2vsa.devices.qbmove import QbmoveSettings
     from emg2vsa.errors import SettingError
     from emg2vsa.lab.by_hand import board_off

@@ -80,6 +80,7 @@ def info(arguments: argparse.Namespace) -> int:
 
 
 def emulate(arguments: argparse.Namespace) -> int:
+    """Serve emulated devices until ``quit``, Ctrl-C or SIGTERM."""
     from emg2vsa.lab.by_hand import signals_interrupt
     from emg2vsa.lab.emulation import Emulation, emulation, toml_lines
 

@@ -46,6 +46,7 @@ def add_to(commands: Commands) -> None:
 
 
 def form(arguments: argparse.Namespace) -> int:
+    """Show an empty form. SettingError : the study has no table [session.form]."""
     from emg2vsa.errors import SettingError
     from emg2vsa.session.form import blank_form
     from emg2vsa.session.open_session import settings_of

@@ -81,6 +81,7 @@ def sample(arguments: argparse.Namespace) -> int:
 
 
 def simulate(arguments: argparse.Namespace) -> int:
+    """Simulate all recordings of a study. SettingError : no [simulation] table, or files in the folder."""
     from emg2vsa.cli.progress import counter
     from emg2vsa.errors import SettingError
     from emg2vsa.study_file import load_study, missing_files

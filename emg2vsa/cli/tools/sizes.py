@@ -69,6 +69,7 @@ def add_to(commands: Commands) -> None:
 
 
 def power(arguments: argparse.Namespace) -> int:
+    """Power of a design and the number that it needs. SettingError : an option that belongs to another design."""
     from emg2vsa.errors import SettingError
     from emg2vsa.report.outcome_text import pair_words, repeated_words
     from emg2vsa.statistics.power import n_for_power, pair_power, power_rm, power_table

@@ -61,6 +61,10 @@ def add_to(commands: Commands) -> None:
 
 
 def stiffness(arguments: argparse.Namespace) -> int:
+    """Stiffness of specimens from logs of a plate; returns 1 where a press cannot be used.
+
+    SettingError : a scatter that is no percentage from 0 to below 100.
+    """
     from emg2vsa.rig_file import specimen_stiffness as told
     from emg2vsa.rig_file.plate_logs import Asked, read_plates
 
@@ -89,6 +93,7 @@ def stiffness(arguments: argparse.Namespace) -> int:
 
 
 def cast(arguments: argparse.Namespace) -> int:
+    """Recipes of specimens as soft as wanted. SettingError : a size, a name or a range of force that cannot be."""
     from casr.specimens import SPECIMENS
     from emg2vsa.rig_file import silicone_kit as kit
     from emg2vsa.study_file.drafting import stiffness_of

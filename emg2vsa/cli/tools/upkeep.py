@@ -58,6 +58,7 @@ def clean(arguments: argparse.Namespace) -> int:
 
 
 def bench(arguments: argparse.Namespace) -> int:
+    """Run benchmarks by area, or the stress test. SettingError : an option that the stress test has not."""
     if "stress" in arguments.area:
         if len(arguments.area) > 1:
             do = "Call it by itself: it is no area."
