@@ -209,6 +209,7 @@ def run() -> None:
     print("# Folders of laboratories, from `emg2vsa new` to a report\n")
     sets = {
         "The gallery": list(folders_gallery.LABORATORIES.values()), "Kept apart": list(folders_apart.LABORATORIES),
+        "Kept apart, later": list(folders_apart.LATER),
     }  # fmt: skip
     for title, laboratories in sets.items():
         chosen = [each for each in laboratories if not names or each.name in names]

@@ -230,6 +230,81 @@ def _tdms(folder: Path) -> None:
                 writer.write_segment(channels)
 
 
+def _percent(folder: Path) -> None:
+    """Matrices of motor unit people: EMG in uV, force in percent of a maximum of 40 N."""
+    for person, who in enumerate(("S1", "S2", "S3")):
+        for hardness, what in enumerate(("soft", "medium", "stiff")):
+            emg, force_n = press(person + 3, hardness, 1024.0)
+            table = np.column_stack([np.arange(force_n.size) / 1024, *(1e6 * emg), force_n / 40 * 100])
+            head = "Time (s),GL [uV],GM [uV],Force [%MVC]"
+            np.savetxt(folder / f"{who}-{what}-ramp.csv", table, "%.6g", ",", header=head, comments="")
+
+
+def _edf(folder: Path) -> None:
+    """EDF files named as in BIDS, without its tables."""
+    import edfio
+
+    for person, who in enumerate(("01", "02")):
+        place = folder / f"sub-{who}" / "emg"
+        place.mkdir(parents=True)
+        for hardness, what in enumerate(("foam", "gel", "rubber")):
+            emg, force_n = press(person + 3, hardness, 1000.0)
+            n = force_n.size // 1000 * 1000
+            named = (("EMG FDS", 1e6 * emg[0], "uV"), ("EMG EDC", 1e6 * emg[1], "uV"), ("FORCE", force_n, "N"))
+            signals = [edfio.EdfSignal(v[:n], 1000, label=label, physical_dimension=unit) for label, v, unit in named]
+            edfio.Edf(signals).write(place / f"sub-{who}_task-press_acq-{what}_emg.edf")
+
+
+def _robot(folder: Path) -> None:
+    """A folder a person and a folder an object: EMG as CSV, and a robot's wrench log without a clock of its own."""
+    for person, who in enumerate(("anna", "ben", "carla")):
+        for hardness, what in enumerate(("ecoflex10", "ecoflex30", "dragonskin")):
+            (place := folder / who / what).mkdir(parents=True)
+            emg, force_n = press(person + 3, hardness, 500.0, emg_fs_hz=1000.0)
+            table = np.column_stack([np.arange(emg.shape[1]) / 1000, *(1e3 * emg)])
+            np.savetxt(place / "emg.csv", table, "%.6g", ",", header="t,ch0_mV,ch1_mV", comments="")
+            wrench = np.column_stack([np.arange(force_n.size) / 500, 0.1 * force_n, 0 * force_n, -force_n])
+            np.savetxt(place / "wrench.csv", wrench, "%.6g", ",", header="t,fx,fy,fz", comments="")
+
+
+def _qualisys(folder: Path) -> None:
+    """Analogue TSV of a motion capture system: lines of keys and values, then a line of names."""
+    for person, who in enumerate(("P01", "P02", "P03")):
+        for hardness, what in enumerate(("A", "B", "C")):
+            emg, force_n = press(person + 3, hardness, 1000.0)
+            head = [f"NO_OF_SAMPLES\t{force_n.size}", "TOT_NO_OF_CHAN\t3", "FREQUENCY\t1000", "TIME_STAMP\t2024-01-02"]
+            head += ["FIRST_SAMPLE\t1", "CHANNEL_NAMES\tEMG_1\tEMG_2\tFP1_Fz", "CHANNEL_UNITS\tV\tV\tN"]
+            rows = ["\t".join(f"{v:.7g}" for v in row) for row in zip(*emg, -force_n, strict=True)]
+            (folder / f"{who}_spec{what}_a.tsv").write_text("\n".join([*head, *rows]) + "\n")
+
+
+def _excel(folder: Path) -> None:
+    """Saved by a German spreadsheet: a byte order mark, semicolons, decimal commas, blanks in names."""
+    for person, who in enumerate(("Anna", "Bernd", "Carla")):
+        for hardness, what in enumerate(("weich", "mittel", "fest")):
+            emg, force_n = press(person + 3, hardness, 1000.0)
+            table = zip(np.arange(force_n.size), *(1e6 * emg), force_n, strict=True)
+            rows = [";".join(f"{v:.6g}" for v in row).replace(".", ",") for row in table]
+            head = "Zeit [ms];EMG Beuger [µV];EMG Strecker [µV];Kraft [N]"
+            text = "\r\n".join([head, *rows]) + "\r\n"
+            (folder / f"Messung {person + 1} {who} {what}.csv").write_text(text, encoding="utf-8-sig", newline="")
+
+
+def _arduino(folder: Path) -> None:
+    """A microcontroller's log: counts of ten bits, a load cell in grams, milliseconds that jitter."""
+    for person, who in enumerate(("s01", "s02", "s03")):
+        for hardness, what in enumerate(("soft", "middle", "hard")):
+            emg, force_n = press(person + 3, hardness, 500.0)
+            jitter = np.random.default_rng(person).uniform(-0.3, 0.3, force_n.size)
+            time_ms = 81234 + 2 * np.arange(force_n.size) + jitter
+            counts = np.round(512 + emg * 2e6).clip(0, 1023)
+            table = np.column_stack([time_ms, *counts, force_n / 9.80665e-3])
+            head = "millis_ms,myoware1,myoware2,hx711 (g)"
+            np.savetxt(
+                folder / f"log_2024-05-0{person + 1}_{who}_{what}.csv", table, "%.3f", ",", header=head, comments=""
+            )
+
+
 def _laboratory(
     make: Callable[[Path], None], what: str, objects: str, emg: Mapping[str, str], force: str, emg_unit: str = "V",
     force_unit: str = "N", **more: Any,
@@ -276,3 +351,19 @@ LABORATORIES = (
                 {"flexor": "FDS", "extensor": "EDC"}, "Fz", down=True),
 )  # fmt: skip
 """The ten, each with what its people know."""
+
+LATER = (
+    _laboratory(_percent, "CSV with the force in percent of a maximum", "soft medium stiff",
+                {"GL": "FDS", "GM": "EDC"}, "Force", "uV", "0.4"),
+    _laboratory(_edf, "EDF named as in BIDS, without its tables", "foam gel rubber",
+                {"EMG FDS": "FDS", "EMG EDC": "EDC"}, "FORCE", "uV", people=2),
+    _laboratory(_robot, "a folder an object: EMG, and a robot's wrench", "ecoflex10 ecoflex30 dragonskin",
+                {"ch0": "FDS", "ch1": "EDC"}, "fz", "mV", down=True),
+    _laboratory(_qualisys, "analogue TSV of a motion capture system", "A B C",
+                {"EMG_1": "FDS", "EMG_2": "EDC"}, "FP1_Fz", down=True, fs_hz=1000.0),
+    _laboratory(_excel, "a German spreadsheet's CSV", "weich mittel fest",
+                {"EMG Beuger": "FDS", "EMG Strecker": "EDC"}, "Kraft", "uV"),
+    _laboratory(_arduino, "a microcontroller's log", "soft middle hard",
+                {"myoware1": "FDS", "myoware2": "EDC"}, "hx711", "uV", "gf", muscles=3.4),
+)  # fmt: skip
+"""Six more, made after `new` had been mended by the ten, and before it was tried on them."""
