@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -20,10 +21,13 @@ from emg2vsa.study import Study
 OWNER_FILE = ".study.json"
 """In the folder of a report: the study that it is of."""
 NOT_RECORDINGS = {
-    ".json", ".tsv", ".md", ".toml", ".html", ".py", ".cal", ".pdf", ".docx", ".gitignore", ".bidsignore", ".svg",
+    ".json", ".md", ".toml", ".html", ".py", ".cal", ".pdf", ".docx", ".gitignore", ".bidsignore", ".svg",
     ".tex", ".png",
 }  # fmt: skip
 """Files of a folder that are known to be no recordings."""
+_TABLES_OF_BIDS = re.compile(
+    r"(.*_)?(participants|sessions|scans|channels|electrodes|events|samples)\.tsv", re.IGNORECASE
+)
 
 
 def placed_in(study: Study, work: Path) -> Study:
@@ -131,7 +135,7 @@ def _below(folder: Path) -> Iterator[Path]:
     made = {path.parent for path in found if path.name in (OWNER_FILE, LEDGER_FILE)} - {folder}
     for path in found:
         hidden = any(part.startswith(".") for part in path.relative_to(folder).parts)
-        named = path.stem.upper().startswith(("LICENSE", "README", "SOURCES"))
+        named = path.stem.upper().startswith(("LICENSE", "README", "SOURCES")) or _TABLES_OF_BIDS.fullmatch(path.name)
         kept = not hidden and not named and path.suffix.lower() not in NOT_RECORDINGS and made.isdisjoint(path.parents)
         if kept and (path.is_file() or not path.exists()):  # a link to nothing is told as unreadable
             yield path

@@ -1,7 +1,8 @@
 """Plain CSV: a header row of channel names, units in brackets or after an underscore if any, and a time column.
 
 ``EMG (mV)``, ``Fz [N]``, ``EDC_mV``; a time column is called time, t, timestamp or X[s], with its unit in brackets or
-after an underscore (``time_ms``), or holds stamps with a date or a time of day. Channels belong to the nearest time
+after an underscore (``time_ms``), or holds stamps with a date or a time of day; without any, a first column that rises
+and has a unit of time is one (``millis_ms``). Channels belong to the nearest time
 column on their left: a file may hold several clocks. Without a time column the rate is what a line above the names
 states, or unknown, and the study must state it. Lines that begin with ``#`` before the header are comments; what stands
 above the names, and a row of units below them, is found by ``table_head``.
@@ -12,6 +13,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 from emg2vsa.errors import RecordingError
@@ -118,6 +120,8 @@ def _columns(
     table = [[row[i] if i < len(row) else "" for row in rows] for i in range(len(labels))]
     stamped = [are_stamps(cells) for cells in table]
     times = [(True, 1.0) if stamps else time_unit_s(label) for label, stamps in zip(labels, stamped, strict=True)]
+    if not any(is_time for is_time, _ in times) and (unit_s := _unit_of_clock(labels[0], table[0], decimal)):
+        times[0] = (True, unit_s)
     clocks = [i for i, (is_time, _) in enumerate(times) if is_time]
     found = [(i, *split_unit(label, glued=True)) for i, label in enumerate(labels) if not times[i][0] and label]
     if not found:
@@ -137,6 +141,17 @@ def _columns(
         is_stamped = clock is not None and stamped[clock]
         columns.append(Column(name, unit, i, clock, unit_s, decimals=decimals, stamped=is_stamped, notes=notes))
     return tuple(columns)
+
+
+def _unit_of_clock(label: str, cells: Sequence[str], decimal: str) -> float | None:
+    """Seconds in the unit of time that the label of a first column ends with, where its cells rise; else None."""
+    unit = split_unit(label)[1] or label.rpartition("_")[2]
+    try:
+        values = [float(cell.replace(decimal, ".")) for cell in cells]
+    except ValueError:
+        return None
+    rises = len(values) > 1 and all(a < b for a, b in pairwise(values))
+    return seconds_per(unit) if rises and unit != label else None
 
 
 def _decimals(cells: Sequence[str], decimal: str) -> int | None:

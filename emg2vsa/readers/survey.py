@@ -32,6 +32,8 @@ _HUM_SHARE = 0.6
 """A channel with a larger share of mains shows nothing of a muscle."""
 _RISES_WITH_EMG = 0.4
 """Least correlation with the level of the EMG that tells a force, where neither unit nor name does."""
+_MOST_ACCELERATION_G = 20
+"""No arm reaches it: larger values in g are grams."""
 _FORCE_NAME = re.compile(r"(^|[^a-z])(f[xyz]?|forces?|load([ _-]?cell)?|kraft|grip|loadcell)([^a-z]|$)", re.IGNORECASE)
 _EMG_NAME = re.compile(r"emg|(^|[^a-z])(edc|fds|fcr|fcu|ecr|ecu|fdp|biceps|triceps)([^a-z]|$)", re.IGNORECASE)
 _NOT_EMG = re.compile(r"(^|[^a-z])(acc|gyro|mag|angle|temp|trig|sync)", re.IGNORECASE)
@@ -185,7 +187,8 @@ def _by_words(facts: ChannelFacts) -> str:
     if known is not None and known[0] == "N":
         return "a force, by its unit"
     meant = next((what for what, units in _MEANT.items() if facts.unit in units), None)
-    if meant is not None:
+    is_weight = facts.unit == "g" and max(abs(facts.low), abs(facts.high)) > _MOST_ACCELERATION_G
+    if meant is not None and not is_weight:
         return f"{meant}, by its unit"
     if facts.unit and seconds_per(facts.unit) is not None:
         return "a time, by its unit"

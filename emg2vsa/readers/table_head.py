@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
-from emg2vsa.readers.text_file import Dialect, Line, TextFile, separator_of
+from emg2vsa.readers.text_file import WHITESPACE, Dialect, Line, TextFile, separator_of
 from emg2vsa.readers.time_stamps import is_name_of_time
 from emg2vsa.readers.units import is_unit, split_unit
 
@@ -23,9 +23,12 @@ _CELL = re.compile(
 _FORM_OF_STAMPS = re.compile(r"[ymdhsfTZ:./ -]*[yhms]:?[ymdhsfTZ:./ -]*", re.IGNORECASE)
 """``HH:mm:ss.fff`` in a row of units."""
 _RATE = re.compile(
-    r"(?:sampl\w*|scan|acquisition)[ _-]*(?:rate|frequency|freq)\b[^\d\n]*?(\d+(?:[.,]\d+)?)\s*(k?)(?:hz|/s|s/s)?\W*$",
+    r"(?:(?:sampl\w*|scan|acquisition)[ _-]*(?:rate|frequency|freq)|^frequency)\b[^\d\n]*?(\d+(?:[.,]\d+)?)\s*(k?)"
+    r"(?:hz|/s|s/s)?\W*$",
     re.IGNORECASE,
 )
+_KEY = re.compile(r"\w*(?:names?|titles?|labels?|units?)\W*", re.IGNORECASE)
+"""``CHANNEL_NAMES`` before the names, ``CHANNEL_UNITS`` before the units."""
 
 
 @dataclass(frozen=True)
@@ -89,8 +92,10 @@ def _above(lines: Sequence[Line], first: int) -> TableHead | None:
             continue
         dialect = Dialect(separator_of(lines[names], rows), ".")
         width = len(_filled(dialect.split(rows[0].text)))
-        cells = _filled(dialect.split(lines[names].text))
-        stated = tuple(_unit(cell) for cell in dialect.split(lines[units].text)) if units is not None else ()
+        named = _without_key(lines[names], dialect, width)
+        cells = _filled(dialect.split(named.text))
+        of_units = _without_key(lines[units], dialect, width).text if units is not None else ""
+        stated = tuple(_unit(cell) for cell in dialect.split(of_units)) if units is not None else ()
         if not _are_names(cells, width) or (units is not None and not _are_units(stated, width)):
             continue
         above = lines[:names]
@@ -102,8 +107,17 @@ def _above(lines: Sequence[Line], first: int) -> TableHead | None:
         last = lines[first - 1]
         fs_hz, notes = _said_above(above)
         known = tuple(unit or "" for unit in stated)
-        return TableHead(lines[names], rows, last.end, last.number + 1, known, fs_hz, notes)
+        return TableHead(named, rows, last.end, last.number + 1, known, fs_hz, notes)
     return None
+
+
+def _without_key(line: Line, dialect: Dialect, width: int) -> Line:
+    """The line without a first cell that only says what stands in the others."""
+    cells = _filled(dialect.split(line.text))
+    if len(cells) != width + 1 or not _KEY.fullmatch(cells[0]):
+        return line
+    separator = None if dialect.separator == WHITESPACE else dialect.separator
+    return replace(line, text=line.text.split(separator, 1)[1])
 
 
 def _filled(cells: Sequence[str]) -> list[str]:

@@ -28,7 +28,7 @@ _KEY = re.compile(r"[A-Za-z]{3,}-(?=.)")
 _CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
 """What no comment of TOML may hold; names of files may."""
 _OF_MASS = {"kg": "kgf", "g": "gf", "lb": "lbf", "lbs": "lbf"}
-_SEPARATORS = re.compile(r"([/_ ]+)")
+_SEPARATORS, _HYPHENS = re.compile(r"([/_ ]+)"), re.compile(r"(-)")
 
 
 @dataclass(frozen=True)
@@ -118,10 +118,12 @@ def partners(files: Sequence[str]) -> dict[str, str]:
 def naming_of(files: Sequence[str], pressed: Collection[str] = ()) -> Naming | None:
     """What the paths have in common, ``/`` between folders; None where no pattern names every file once.
 
-    A path is cut at ``/ _`` and blanks. Parts that are the same in every file stay; dates become ``*``. Of the others,
-    two must tell participant and specimen; whole numbers may count repetitions. pressed : names of specimens.
+    A path is cut at ``/ _`` and blanks, and at hyphens where no name has any of these. Parts that are the same in every
+    file stay; dates become ``*``. Of the others, two must tell participant and specimen; whole numbers may count
+    repetitions. pressed : names of specimens.
     """
-    split = {file: _parts(file) for file in files}
+    hyphens = not any(_SEPARATORS.search(file) for file in files) and all("-" in file for file in files)
+    split = {file: _parts(file, _HYPHENS if hyphens else _SEPARATORS) for file in files}
     shapes: dict[tuple[str, ...], list[str]] = {}
     for file, parts in split.items():
         shapes.setdefault(tuple(parts[1::2]), []).append(file)  # separators and extension
@@ -159,10 +161,10 @@ def naming_of(files: Sequence[str], pressed: Collection[str] = ()) -> Naming | N
     )
 
 
-def _parts(file: str) -> list[str]:
+def _parts(file: str, separators: re.Pattern[str] = _SEPARATORS) -> list[str]:
     """Texts and separators in turn; the extension is the last separator, with nothing after it."""
     stem, dot, extension = file.rpartition(".")
-    return [*_SEPARATORS.split(stem if dot else file), f".{extension}" if dot else "", ""]
+    return [*separators.split(stem if dot else file), f".{extension}" if dot else "", ""]
 
 
 _Roles = tuple[int | None, int | None, int | None, list[str]]

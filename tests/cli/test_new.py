@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from emg2vsa.cli import main
+from emg2vsa.pipeline.places import recordings_in
 from emg2vsa.settings import SimulationSettings
 from emg2vsa.study_file import load_study
 from emg2vsa.worlds.people.recording import RecordingStream
@@ -158,6 +159,19 @@ def test_a_stiffness_tells_which_part_of_a_name_is_the_specimen(folder: Path, tm
         assert main(["new", str(tmp_path / name), "--stiffness", "hard=6", "--stiffness", "soft=1.5", "--json"]) == 0
         study = load_study(tmp_path / name / "study.toml")
         assert (study.participants, set(study.stiffness_n_per_mm)) == (people, {"hard", "soft"})
+
+
+def test_the_end_of_a_specimens_name_is_enough_for_its_stiffness(folder: Path, tmp_path: Path) -> None:
+    out = tmp_path / "s.toml"
+    assert main(["new", str(folder), "--out", str(out), "--stiffness", "ard=6"]) == 0
+    assert load_study(out).stiffness_n_per_mm == {"hard": 6.0}
+
+
+def test_tables_of_bids_are_no_recordings_and_other_tsv_are(tmp_path: Path) -> None:
+    names = ("P01_a.tsv", "participants.tsv", "sub-1_events.tsv", "sub-1_channels.tsv", "notes.md")
+    for name in names:
+        (tmp_path / name).touch()
+    assert recordings_in([tmp_path]) == [tmp_path / "P01_a.tsv"]
 
 
 @pytest.mark.slow

@@ -283,6 +283,23 @@ def test_a_row_of_units_under_the_names(tmp_path: Path, row: str) -> None:
     check(write(tmp_path, table(f"Time,EDC,Fz\n{row}")))
 
 
+def test_keys_before_names_and_units(tmp_path: Path) -> None:
+    rows = "\n".join(f"{i / 7:.3f}\t{i}" for i in range(20))
+    head = "NO_OF_SAMPLES\t20\nFREQUENCY\t500\nCHANNEL_NAMES\tEMG 1\tFP1_Fz\nCHANNEL_UNITS\tmV\tN\n"
+    (tmp_path / "a.tsv").write_text(f"{head}{rows}\n")
+    _, opened = open_recording(tmp_path / "a.tsv")
+    assert [(c.name, c.unit, c.fs_hz) for c in opened.describe()] == [("EMG 1", "mV", 500), ("FP1_Fz", "N", 500)]
+
+
+@pytest.mark.parametrize("name", ["millis_ms", "since start (ms)"])
+def test_a_first_column_that_rises_in_a_unit_of_time_is_a_clock(tmp_path: Path, name: str) -> None:
+    rows = "\n".join(f"{81234 + 2 * i},{i % 3},{i % 5}" for i in range(20))
+    (tmp_path / "a.csv").write_text(f"{name},EMG,Fz\n{rows}\n")
+    assert [channel.fs_hz for channel in open_recording(tmp_path / "a.csv")[1].describe()] == [500, 500]
+    (tmp_path / "b.csv").write_text(f"{name},EMG,Fz\n{rows.replace('81236', '81233')}\n")
+    assert len(open_recording(tmp_path / "b.csv")[1].contents.names) == 3
+
+
 def test_a_rate_stated_above_a_table_without_times(tmp_path: Path) -> None:
     rows = "".join(f"{i % 7}.5,{i}\n" for i in range(50))
     path = write(tmp_path, f"Sampling frequency [Hz]: 1,5 kHz\nEMG,Fz\nmV,N\n{rows}")

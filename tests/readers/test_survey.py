@@ -43,6 +43,12 @@ def test_names_and_units_are_not_needed(tmp_path: Path) -> None:
     assert said == ["flat", "a count or a time", "a trigger", "slow"]
 
 
+@pytest.mark.parametrize(("grams", "role"), [(100.0, "force"), (0.1, "other")])
+def test_large_values_in_g_are_a_weight_and_small_ones_an_acceleration(tmp_path: Path, grams: float, role: str) -> None:
+    columns = {"time": TIME, "EDC (mV)": 1e3 * MADE.emg_v["EDC"], "hx (g)": grams * MADE.force_n}
+    assert survey(write(tmp_path, columns)).channels[1].role == role
+
+
 def test_figures_of_a_channel(tmp_path: Path) -> None:
     emg = MADE.emg_v["EDC"] + 30e-6 * np.sin(2 * np.pi * 50 * TIME)
     clipped = np.clip(MADE.emg_v["FDS"], -5e-5, 5e-5)

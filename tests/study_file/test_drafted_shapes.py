@@ -11,7 +11,7 @@ import pytest
 
 from emg2vsa.errors import StudyError
 from emg2vsa.study_file import load_study
-from emg2vsa.study_file.draft import FILL, DraftChannel, draft, naming_of_pairs
+from emg2vsa.study_file.draft import FILL, DraftChannel, draft, halves, naming_of_pairs
 
 NAMES = {
     "person and specimen": ["ama_hard.csv", "ama_soft.csv", "bob_hard.csv", "bob_soft.csv"],
@@ -41,6 +41,44 @@ FORCE = {
     "mass": DraftChannel("weight", "kg"), "no unit": DraftChannel("row 2", None, no_rate=True),
     "another unit": DraftChannel("load", "%MVC"),
 }  # fmt: skip
+
+
+FORMS = {
+    "keys before values": (
+        [f"sub-{p}/sub-{p}_task-{s}_run-001.xdf" for p in ("P001", "P002") for s in ("gel", "pu")],
+        "sub-{participant}/*_task-{specimen}_run-001.xdf", ("P001", "P002"), ("gel", "pu"),
+    ),
+    "numbers of people": (
+        [f"Proband {p}/{s}.txt" for p in (1, 2) for s in ("hard", "soft")],
+        "Proband {participant}/{specimen}.txt", ("1", "2"), ("hard", "soft"),
+    ),
+    "blocks": (
+        [f"{p}_block{b}_{s}.mat" for p in ("P3", "P4") for b, s in enumerate(("low", "high"), 1)],
+        "{participant}_*_{specimen}.mat", ("P3", "P4"), ("low", "high"),
+    ),
+    "hyphens": (
+        [f"S{p}-{s}-ramp.csv" for p in (1, 2) for s in ("soft", "stiff")],
+        "{participant}-{specimen}-ramp.csv", ("S1", "S2"), ("soft", "stiff"),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("files", "pattern", "people", "specimens"), FORMS.values(), ids=FORMS)
+def test_parts_of_names_get_their_roles(
+    files: list[str], pattern: str, people: tuple[str, ...], specimens: tuple[str, ...]
+) -> None:
+    naming, force_files = naming_of_pairs(files)
+    assert naming is not None
+    assert (naming.pattern, naming.participants, naming.specimens) == (pattern, people, specimens)
+    assert not force_files
+
+
+def test_halves_are_told_by_form_or_by_a_part_of_two_values() -> None:
+    by_form = [f"{p}_{s}{end}" for p in ("a", "b") for s in ("x", "y") for end in (".hpf", "_loadcell.csv")]
+    assert halves(by_form) == [(by_form[::2], by_form[1::2])]
+    by_part = [f"{p}_{s}_{k}.csv" for p in ("a", "b", "c") for s in ("x", "y", "z") for k in ("myo", "mini45")]
+    assert halves(by_part) == [(by_part[::2], by_part[1::2])]
+    assert halves(by_part[:-1]) == halves(by_form[:-1]) == halves(["a.csv", "b.txt", "c.mat"]) == []
 
 
 @pytest.mark.parametrize("names", NAMES)
