@@ -126,7 +126,7 @@ def plate_plan(plate: PlateSettings, experiment: ExperimentSettings, specimen: s
 
 
 def run_name(specimen: str, angle_deg: float, condition: str, mounting: int = 1) -> str:
-    """Name of a run and of its folder; that of the first mounting names no mounting."""
+    """Name of a run and of its folder, angle in degrees; that of the first mounting names no mounting."""
     return f"{specimen}_{angle_deg:g}_{condition}" + (f"_mounting-{mounting}" if mounting > 1 else "")
 
 
@@ -136,9 +136,10 @@ def plan_of(
     schedules: Sequence[Schedule],
     emulated_n_per_mm: Mapping[str, float] | None = None,
 ) -> RunPlan:
-    """The plan of one run. ScheduleError where the specimen has no schedule for its condition.
+    """The plan of one run (paper, section V). ScheduleError where the specimen has no schedule for its condition.
 
-    ``emulated_n_per_mm`` : stiffness of specimens on the emulated bench, for those that the experiment does not name.
+    ``emulated_n_per_mm`` : stiffness, N/mm, of specimens on the emulated bench, for those that the experiment does not
+        name.
     """
     other = experiment.schedule_of.get(run.specimen)
     schedule = None if run.condition == RIGID else schedule_for(schedules, other or run.specimen, run.condition)

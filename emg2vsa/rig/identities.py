@@ -48,7 +48,8 @@ def check_number(table: str, where: str, wanted: str | None, told: Told) -> None
 
 
 def check_board(table: str, where: str, own: BoardSettings, other: BoardSettings | None, told: Told) -> None:
-    """As `check_number`; ``other`` : the table of the other actuator, whose device may answer on this port."""
+    """As `check_number`, with its DeviceError; ``other`` : the table of the other actuator, whose device may answer on
+    this port."""
     if other and told.number == other.serial_number and own.port != other.port and told.number != own.serial_number:
         not_that = f"another device than that of [{'motor' if table == 'actuator' else 'actuator'}]"
         wanted = f"serial number {own.serial_number}" if own.serial_number else not_that

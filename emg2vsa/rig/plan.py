@@ -61,7 +61,8 @@ class RunPlan:
         return self.condition != RIGID or self.motor_a_per_n is not None or specimen
 
     def step_at(self, force_n: float) -> int:
-        """Index of the force step that ``force_n`` is in; below the first edge the first, above the last the last."""
+        """Index of the force step that ``force_n``, N, is in; below the first edge the first, above the last the
+        last."""
         if self.schedule is None:
             return 0
         edges = self._edges_n

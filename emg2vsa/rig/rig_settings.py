@@ -132,7 +132,7 @@ class RigSettings:
 
     @cached_property
     def period_s(self) -> float:
-        """Of the control loop."""
+        """Period of the control loop, s."""
         return 1 / self.rate_hz
 
     def position_at(self, depth_mm: float) -> float:

@@ -51,7 +51,8 @@ class Person(Protocol):
         """The probe touches the pad: whoever measures begins here."""
 
     def moved_mm(self, degrees: float) -> float | None:
-        """How far, by a calliper, has the probe gone away from the pad, when the shaft turned so far back?"""
+        """How far, mm, by a calliper, has the probe gone away from the pad, when the shaft turned so many degrees
+        back?"""
 
 
 @dataclass(frozen=True)
@@ -139,7 +140,7 @@ class MeasuredStiffness(NamedTuple):
 
     @property
     def full_nm_per_rad(self) -> float:
-        """At the full preset, as stiffness is proportional to it."""
+        """At the full preset, N m/rad, as stiffness is proportional to it."""
         return self.nm_per_rad / self.preset
 
 

@@ -63,7 +63,7 @@ class Place:
 
     @property
     def size_n(self) -> float:
-        """Length of the force."""
+        """Length of the force, N."""
         return float(np.linalg.norm(self.force_n))
 
 
@@ -157,18 +157,21 @@ class HandMotion:
         return Place(self.shaft_deg(), self.felt_n(), touched)
 
     def shaft_deg(self) -> float:
-        """Where the shaft is now, also while the hand rests."""
+        """Where the shaft is now, degrees, also while the hand rests."""
         return self._actuator.measurements().shaft_deg
 
     def go(
         self, to_deg: float, *, until_n: float = LIMIT_N, deg_per_s: float = DEG_PER_S, from_zero: bool = True,
         turns: list[Turn] | None = None, until_deg: float = math.inf,
     ) -> Place:  # fmt: skip
-        """Move evenly to the position ``to_deg``, and end as soon as the force is ``until_n`` above the zero.
+        """Move evenly to the position ``to_deg``, degrees, and end as soon as the force is ``until_n``, N, above the
+        zero.
 
         from_zero : False compares lengths of the whole force instead, for a probe that may stand pressed: moving it
-        away changes the force, and must only not raise it. turns : to be filled with what was read on the way.
-        until_deg : the shaft ends the move there, too, wherever the command is by then.
+            away changes the force, and must only not raise it.
+        turns : to be filled with what was read on the way. until_deg : the shaft ends the move there, too, wherever the
+            command is by then.
+        DeviceError : a position beyond the limits; and as every move.
         """
         low, high = self._rig.position_deg
         if not low <= to_deg <= high:
@@ -213,7 +216,7 @@ class HandMotion:
         return self.place()
 
     def away(self, from_deg: float) -> Place:
-        """After a force has ended a move: back towards ``from_deg`` until it is below half of a touch."""
+        """After a force has ended a move: back towards ``from_deg``, degrees, until it is below half of a touch."""
         sign, end = self._back(from_deg)
         place = self.place()
         while (place.size_n > TOUCH_N / 2 or self._borne_n() > TOUCH_N) and self.at_deg != end:

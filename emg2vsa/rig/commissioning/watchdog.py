@@ -63,8 +63,8 @@ def prove_watchdog(
 ) -> WatchdogProof:
     """Motors on, a small move away from the specimen, back, silence, question, and the same move again.
 
-    The motors are off afterwards. away_sign : which way leads away from the specimen.
-
+    The motors are off afterwards. watchdog_s : after which they should go off by themselves, s. away_sign : which way
+        leads away from the specimen.
     DeviceError : the device is lost, or does not move with its motors on: then the silence would prove nothing.
     """
     board.activate()

@@ -74,7 +74,10 @@ class ControlCycle:
         "Largest force felt, of all three axes together, N; None before the first."
 
     def start(self) -> None:
-        """Motors on, where the line is fast enough for the loop; the run begins where they are."""
+        """Motors on, where the line is fast enough for the loop; the run begins where they are.
+
+        Raises EndRun : the line is too slow, or the actuator does not switch on.
+        """
         actuator = self._devices.actuator
         with ending("activation"):
             took_s = _answers_in_s(actuator, self._clock)
@@ -104,7 +107,8 @@ class ControlCycle:
         self.motion = Motion("home", self._turned_s, self._rig.depth_at(position_deg))
 
     def turn(self, now_s: float, late_s: float) -> Motion:
-        """One turn; the motion after it. Whatever ends the turn, what was sensed is logged."""
+        """One turn at ``now_s``, ``late_s`` after it was due, both s; the motion after it. Whatever ends the turn, what
+        was sensed is logged."""
         assert self.motion is not None
         before = self.motion
         force = self._feel()

@@ -34,10 +34,11 @@ class Motion(NamedTuple):
 def advance(
     motion: Motion, plan: RunPlan, force_n: float, now_s: float, elapsed_s: float, growth_n_per_s: float = 0.0
 ) -> Motion:
-    """The motion ``elapsed_s`` later, at ``now_s``. ``growth_n_per_s`` : of the force.
+    """The motion ``elapsed_s`` later, at ``now_s``, s, under the filtered force, N (paper, section V).
+    ``growth_n_per_s`` : of the force.
 
-    Loading never goes back to an earlier force step: a softer spring lowers the force, and a step that followed it
-    down would come and go at every edge. Retraction keeps the step that loading has reached.
+    Loading never goes back to an earlier force step: a softer spring lowers the force, and a step that followed it down
+    would come and go at every edge. Retraction keeps the step that loading has reached.
     """
     moved_mm = plan.ramp_mm_per_s * elapsed_s
     match motion.phase:
@@ -62,7 +63,7 @@ def advance(
 
 
 def towards_home(depth_mm: float, moved_mm: float) -> float:
-    """Depth after moving by ``moved_mm`` towards 0, from either side, and not beyond."""
+    """Depth, mm, after moving by ``moved_mm`` towards 0, from either side, and not beyond."""
     return max(0.0, depth_mm - moved_mm) if depth_mm > 0 else min(0.0, depth_mm + moved_mm)
 
 

@@ -52,7 +52,7 @@ class Witnesses:
 
     @property
     def depth_mm(self) -> float:
-        """Depth of the probe that the motors stand for, when they were last read."""
+        """Depth of the probe, mm, that the motors stand for, when they were last read."""
         return self._rig.depth_at(self._motors_deg(self._at))
 
     def _motors_deg(self, at: Measurements) -> float:
@@ -60,7 +60,7 @@ class Witnesses:
 
     @property
     def mean_n(self) -> float:
-        """Size of the mean of the last forces, of all three axes: noise of one sample is no contact."""
+        """Size, N, of the mean of the last forces, of all three axes: noise of one sample is no contact."""
         return mean_size(self._forces)
 
     def gain(self) -> float | None:
@@ -85,7 +85,7 @@ class Witnesses:
         seen.still_mm, seen.still_s, seen.rise_n = self._stillness.still_mm, self._stillness.still_s, rise_n
 
     def send(self, position_deg: float, preset: float, now_s: float) -> None:
-        """What is commanded now."""
+        """What is commanded at ``now_s``, s: a position, degrees, and a preset."""
         elapsed_s = 0.0 if self._sent_s is None else now_s - self._sent_s
         self._motors.send(position_deg, preset, elapsed_s)
         self._sent, self._sent_s = (position_deg, preset), now_s
@@ -93,8 +93,10 @@ class Witnesses:
     def read(
         self, at: Measurements, currents_a: tuple[float, ...], felt_n: float, motion: Motion, begins: bool
     ) -> None:
-        """Encoders and currents right after a command; ``felt_n`` : along the push axis in the same turn. ``motion`` :
-        after the turn, whose phase ``begins`` with it or goes on."""
+        """Encoders and currents, A, right after a command; ``felt_n`` : N along the push axis in the same turn.
+
+        ``motion`` : after the turn, whose phase ``begins`` with it or goes on.
+        """
         seen = self.seen
         if self._unmoved_from_n is None or at.shaft_deg != self._at.shaft_deg or not self._gives_way:
             self._unmoved_from_n = felt_n
@@ -156,7 +158,7 @@ class Witnesses:
 
 
 def at_rest(motion: Motion, now_s: float) -> bool:
-    """Whether the probe is retracted, and motors and shaft have come to rest there."""
+    """Whether the probe is retracted, and motors and shaft have come to rest there by ``now_s``, s."""
     return motion.phase in ("home", "pause") and motion.depth_mm == 0 and now_s - motion.since_s >= _AT_REST_S
 
 
@@ -204,7 +206,7 @@ class SlowMotors:
             self._obeyed = self._on_their_way.popleft()[1]
 
     def astray_deg(self, at: Measurements) -> float:
-        """How far outside of that the farther motor is, read right after the command."""
+        """How far outside of that, degrees, the farther motor is, read right after the command."""
         if self._sent is None:
             return 0.0
         farthest, motors_deg, before, sent = 0.0, at.motors_deg, self._before, self._sent
@@ -233,7 +235,7 @@ class Stillness:
         self.still_s: float | None = None
 
     def see(self, sample: ForceSample, depth_mm: float, phase: Phase) -> None:
-        """The sample of a turn, the depth of the motors, and what they do."""
+        """The sample of a turn, the depth of the motors, mm, and what they do."""
         reading = _READING.pack(*sample.loads)
         if reading != self._last:
             if phase in ("approach", "pause"):
@@ -255,7 +257,7 @@ class MeanCurrent:
         "Of each motor."
 
     def see(self, currents_a: tuple[float, ...]) -> float:
-        """One more reading; the mean with it, 0 before there are enough."""
+        """One more reading, A of each motor; the mean with it, A, 0 before there are enough."""
         if not self._currents:
             self._currents = [deque(maxlen=_CURRENT_TURNS) for _ in currents_a]
         for newest, current_a in zip(self._currents, currents_a, strict=True):

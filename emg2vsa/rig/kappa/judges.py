@@ -128,6 +128,7 @@ class SameProcess(_Judge):
         self._kappa, self._word, self._rows = LiveKappa(plan), 0, new_rows(file)
 
     def force(self, time_s: float, force_n: float) -> None:
+        """A reading of the force, N, at ``time_s``, s."""
         self._held.force(time_s, force_n)
         self._answer(over=False)
 
@@ -242,6 +243,7 @@ class OwnProcess(_Judge):
         return self._child.pid
 
     def force(self, time_s: float, force_n: float) -> None:
+        """A reading of the force, N, at ``time_s``, s."""
         self._held.force(time_s, force_n)
         self._hand_over(over=False)
 

@@ -180,7 +180,8 @@ class LiveKappa:
             OnlineEstimator(calibration).follow(force_n, force_n**HERTZ)
 
     def frame(self, repetition: int, time_s: float, image: NDArray[np.uint8], readings: Rows) -> KappaRow:
-        """The next frame, with the readings since the one before; what is known then, without its latency."""
+        """The next frame (H, W), taken at ``time_s``, s, with the readings since the one before; what is known then,
+        without its latency."""
         if self._press is None or self._press.repetition != repetition:
             self.press_over()
             self._press = _Press(repetition, StreamScorer(self._plan.camera, self._settings))

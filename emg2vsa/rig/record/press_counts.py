@@ -173,7 +173,8 @@ class PressTally:
         self._now.frames += 1
 
     def turn_back(self, time_s: float, forces: ForceCounts) -> None:
-        """The end of loading, or of the run. ``forces`` : of the sensor now. Only the first call counts."""
+        """The end of loading, or of the run, at ``time_s``, s. ``forces`` : of the sensor now. Only the first call
+        counts."""
         if not self._turned:
             self._turned, self._now.turned_s, self._after = True, time_s, forces
 

@@ -55,7 +55,8 @@ class TiffPages:
         self._file.append(_HEADER + _OFFSET.pack(0))
 
     def append(self, image: NDArray[np.uint8]) -> None:
-        """Add a page. Raises DeviceError when the disk is full, 4 GiB are reached or the image has another size."""
+        """Add a page (H, W). Raises DeviceError when the disk is full, 4 GiB are reached or the image has another
+        size."""
         if image.shape != self._shape or image.dtype != np.uint8:
             wanted = f"grey images of 8 bits and {self._shape[1]} x {self._shape[0]} px"
             found, do = f"{image.dtype} of shape {image.shape}", "Set the camera to one size."
@@ -151,13 +152,15 @@ class PressRecorder:
         return self._frames.n_pages
 
     def frame(self, image: NDArray[np.uint8], time_s: float) -> int:
-        """Save a frame taken then; its index, from 0. Raises DeviceError, as `force`, when the disk is full."""
+        """Save a frame (H, W) taken at ``time_s``, s; its index, from 0. Raises DeviceError, as `force`, when the disk
+        is full."""
         self._frames.append(image)
         self._frame_time = f"{time_s:.6f}"
         return self.n_frames - 1
 
     def force(self, time_s: float, force_n: float) -> None:
-        """Save the force of a time with index and time of the last frame saved, -1 and none before the first."""
+        """Save the force, N, of a time, s, with index and time of the last frame saved, -1 and none before the
+        first."""
         self._force.append(f"{time_s:.6f},{force_n:.6f},{self.n_frames - 1},{self._frame_time}\n".encode())
 
     def remark(self, text: str) -> None:

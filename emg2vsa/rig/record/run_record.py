@@ -95,7 +95,7 @@ class RunRecord:
         self._writer.finish()
 
     def begin_press(self, repetition: int, time_s: float) -> None:
-        """Frames taken from ``time_s`` on, and forces, are kept as one press to the end of loading."""
+        """Frames taken from ``time_s``, s, on, and forces, are kept as one press to the end of loading."""
         self._close_press()
         self._close_tally(time_s)
         self._begun_s, self._turned_s = time_s, math.inf
@@ -134,7 +134,7 @@ class RunRecord:
 
     def enough(self, force_n: float) -> bool:
         """Whether the judge has seen enough of the press that is being loaded; the press then counts as stopped at this
-        force, and not as a whole one."""
+        force, N, and not as a whole one."""
         if self._judge is None or self._tally is None or not (why := self._judge.stop(self._tally.repetition)):
             return False
         self._tally.stop(f"at {force_n:.2f} N: {why}")
@@ -156,8 +156,8 @@ class RunRecord:
             self._tally.doubt(why, verdict)
 
     def end_loading(self, time_s: float) -> None:
-        """The press turned back then: its files are given back, once all frames of its loading have come. What follows
-        says nothing of how the contact spreads, and is in the log."""
+        """The press turned back at ``time_s``, s: its files are given back, once all frames of its loading have come.
+        What follows says nothing of how the contact spreads, and is in the log."""
         self._turned_s = time_s
         if self._tally is not None:
             self._tally.turn_back(time_s, self._force_counts())

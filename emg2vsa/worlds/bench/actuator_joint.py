@@ -41,13 +41,16 @@ class RigidJoint:
     """The shaft is motor 1's, and no load moves it."""
 
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
+        """Angle of the shaft, rad, after ``duration_s``, s: that of motor 1."""
         probe.begin(duration_s)
         return motors_rad[0]
 
     def free(self, shaft_rad: float, before_rad: Motors, motors_rad: Motors, probe: Probe) -> float | None:
+        """Angle of the shaft, rad, while nothing is touched on the way; None where something may be."""
         return motors_rad[0] if max(shaft_rad, before_rad[0], motors_rad[0]) <= probe.touch_rad else None
 
     def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
+        """Torque of the specimen on motor 1, N m; none on motor 2."""
         return probe.load_nm(motors_rad[0]), 0.0
 
 
@@ -65,6 +68,7 @@ class SpringJoint:
         self._least_growth = s.a1_per_rad * s.k1_nm + s.a2_per_rad * s.k2_nm
 
     def moved(self, shaft_rad: float, duration_s: float, motors_rad: Motors, probe: Probe) -> float:
+        """Angle of the shaft, rad, ``duration_s``, s, later with the motors at ``motors_rad``, rad."""
         probe.begin(duration_s)
         a1, half_1, quarter_1, a2, half_2, quarter_2 = self._halves
         exp, touch_rad, (first_rad, second_rad) = math.exp, probe.touch_rad, motors_rad
@@ -106,7 +110,8 @@ class SpringJoint:
         return angle + (shaft_rad - angle) * left
 
     def free(self, shaft_rad: float, before_rad: Motors, motors_rad: Motors, probe: Probe) -> float | None:
-        """Friction holds the shaft: motors at rest hunt for their reference by a few ticks."""
+        """Angle of the shaft, rad, that friction holds where it is: motors at rest hunt for their reference by a few
+        ticks. None where it may move, or touches."""
         if shaft_rad > probe.touch_rad:
             return None
         a1, half_1, quarter_1, a2, half_2, quarter_2 = self._halves
@@ -122,6 +127,7 @@ class SpringJoint:
         return shaft_rad if -held_nm <= least_nm and most_nm <= held_nm else None
 
     def loads_nm(self, shaft_rad: float, motors_rad: Motors, probe: Probe) -> Motors:
+        """Torque of its spring on each motor, N m."""
         s = self.springs
         return (
             s.k1_nm * math.sinh(s.a1_per_rad * (motors_rad[0] - shaft_rad)),

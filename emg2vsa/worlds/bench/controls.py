@@ -47,7 +47,8 @@ def controlled(emulated: EmulatedSettings) -> EmulatedSettings:
 
 
 def counterparts(specimens: Sequence[str], stiffness_n_per_mm: Mapping[str, float]) -> dict[str, str]:
-    """Specimen to the one with which it swaps schedules in N3: the stiffest with the softest, and so on inwards."""
+    """Specimen to the one with which it swaps schedules in N3, by stiffness, N/mm: the stiffest with the softest, and
+    so on inwards."""
     by_stiffness = sorted(specimens, key=lambda name: stiffness_n_per_mm[name])
     pairs = zip(by_stiffness, reversed(by_stiffness), strict=True)
     return {one: other for one, other in pairs if one != other}
@@ -81,13 +82,13 @@ class ArtificialEffect:
     right: Schedule | None = None
 
     def factor(self, force_n: float) -> float:
-        """P1: of the area of a contact under that force, on average over frames."""
+        """P1: of the area of a contact under that force, N, on average over frames."""
         if self.schedule is None or self.exponent is None:
             return 1.0
         return math.pow(stiffness_at(self.schedule, force_n), -self.exponent)
 
     def noise_sd(self, force_n: float) -> float:
-        """P4: relative standard deviation of the area from frame to frame."""
+        """P4: relative standard deviation of the area from frame to frame under that force, N."""
         if self.exponent is not None:
             return 0.0
         off = _FURTHEST

@@ -101,7 +101,7 @@ class SeenPress:
         return self.scene.skin.state(0.0)
 
     def area_mm2(self, touch: Touch) -> float:
-        """True contact area."""
+        """True contact area, mm2."""
         return self.scene.area_mm2(self.state(touch))
 
     def _as_large_n(self, elastic_n: float, area_factor: float) -> float:
@@ -225,7 +225,7 @@ class PressDraws:
         )
 
     def force_zero_n(self, press: int) -> float:
-        """What the force sensor reads too much along the push axis."""
+        """What the force sensor reads too much along the push axis, N."""
         return self._used.force_zero_sd_n * (self._mounting.force_zero + self._press(press).force_zero)
 
     @property

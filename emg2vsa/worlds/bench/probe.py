@@ -75,11 +75,11 @@ class PlateContact:
         self._stiffness_n_per_mm, self._height_mm = stiffness_n_per_mm, height_mm
 
     def force_n(self, depth_mm: float) -> float:
-        """As `PowerLaw`."""
+        """Force, N, at a depth, mm; as `PowerLaw`."""
         return self.resistance(depth_mm)[0]
 
     def resistance(self, depth_mm: float) -> tuple[float, float]:
-        """As `PowerLaw`."""
+        """Force, N, at a depth, mm, and its growth, N/mm (Treloar 1975); as `PowerLaw`."""
         if depth_mm <= 0:
             return 0.0, 0.0
         kappa, height_mm = self._stiffness_n_per_mm, self._height_mm
@@ -150,15 +150,15 @@ class Probe:
         self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
 
     def position_mm(self, shaft_rad: float) -> float:
-        """Way down from where the shaft is at 0."""
+        """Way down, mm, from where the shaft is at 0. shaft_rad : rad."""
         return shaft_rad * self._mm_per_rad
 
     def above_mm(self, shaft_rad: float) -> float:
-        """Way down from there to first contact."""
+        """Way down, mm, from there to first contact. shaft_rad : rad."""
         return (self.touch_rad - shaft_rad) * self._mm_per_rad
 
     def elastic_touch(self, shaft_rad: float) -> Touch:
-        """The contact of elastic bodies without friction."""
+        """The contact of elastic bodies without friction, N, with the shaft at an angle, rad."""
         normal_n = self._contact.force_n((shaft_rad - self.touch_rad) * self._depth_mm_per_rad)
         return Touch(normal_n, 0.0, normal_n, 0.0)
 
@@ -193,8 +193,8 @@ class Probe:
         return (normal_n * self._cos + shear_n * self._sin) * self._mm_per_rad / 1000, growth_nm
 
     def settle(self, shaft_rad: float) -> Touch:
-        """The step ends with the shaft there; the contact then. It ends where nothing pushes back any more; one that
-        the probe has left altogether is forgotten, so that the next is a first one."""
+        """The step ends with the shaft at this angle, rad; the contact then. It ends where nothing pushes back any
+        more; one that the probe has left altogether is forgotten, so that the next is a first one."""
         if not self.remembers:
             return self.elastic_touch(shaft_rad)
         depth_mm = (shaft_rad - self.touch_rad) * self._depth_mm_per_rad

@@ -42,12 +42,12 @@ class TrueLoading:
 
     @property
     def a_c0_mm2(self) -> float:
-        """Area at the force at which CASR begins."""
+        """Area, mm2, at the force at which CASR begins."""
         return float(self.area_at(WINDOW_N[0]))
 
     @property
     def casr_mm2_per_n(self) -> float:
-        """Mean rate from the lower to the higher force over which CASR is defined, as scores have it."""
+        """Mean rate, mm2/N, from the lower to the higher force over which CASR is defined, as scores have it."""
         first, last = self.area_at(WINDOW_N).tolist()
         return float(last - first) / (WINDOW_N[1] - WINDOW_N[0])
 

@@ -34,16 +34,16 @@ class ShaftPath:
 
     @property
     def end_s(self) -> float:
-        """Newest time."""
+        """Newest time, s."""
         return self._times_s[-1]
 
     @property
     def end_rad(self) -> float:
-        """Newest angle."""
+        """Newest angle, rad."""
         return self._angles_rad[-1]
 
     def append(self, time_s: float, angle_rad: float, touch: Touch = APART) -> None:
-        """One more point, later than the last."""
+        """One more point, s and rad, later than the last."""
         times_s, angles_rad, touches = self._times_s, self._angles_rad, self._touches
         if len(times_s) > 1 and angles_rad[-2] == angles_rad[-1] == angle_rad and touches[-2] == touches[-1] == touch:
             times_s[-1] = time_s
@@ -55,7 +55,7 @@ class ShaftPath:
             del times_s[:_REMEMBERED], angles_rad[:_REMEMBERED], touches[:_REMEMBERED]
 
     def angle_rad(self, time_s: float) -> float:
-        """Angle at a time not after the end. DeviceError before what is remembered."""
+        """Angle, rad, at a time, s, not after the end. DeviceError before what is remembered."""
         after, share = self._place(time_s)
         angle_rad = self._angles_rad[after]
         return (
@@ -63,7 +63,7 @@ class ShaftPath:
         )
 
     def touch(self, time_s: float) -> Touch:
-        """Contact at a time not after the end. DeviceError before what is remembered."""
+        """Contact at a time, s, not after the end. DeviceError before what is remembered."""
         after, share = self._place(time_s)
         touch = self._touches[after]
         if share == 1 or touch is (before := self._touches[after - 1]):
@@ -155,7 +155,7 @@ class World:
         return np.array(self.forces_n([time_s])[0])
 
     def forces_n(self, times_s: Sequence[float]) -> list[Force]:
-        """The same at each of several times, as plain numbers: three at a time are too few for arrays to pay."""
+        """Force, N, at each of several times, s, as plain numbers: three at a time are too few for arrays to pay."""
         return [self._probe.force_n(self.touch(time_s)) for time_s in times_s]
 
     def normal_force_n(self, time_s: float) -> float:
@@ -163,7 +163,7 @@ class World:
         return self.touch(time_s).normal_n
 
     def touch(self, time_s: float) -> Touch:
-        """The contact, which the camera sees."""
+        """The contact at a time, s, which the camera sees."""
         if time_s > self._path.end_s:
             self._run(time_s, self._motors_rad)
         if self._probe.remembers:

@@ -80,10 +80,11 @@ class ContactHistory:
         self._pulled_n, self._given_mm = self._convolved_n - shear_alpha, self._give * shear_n
 
     def forces(self, elastic_n: float, slope_n_per_mm: float, way_mm: float) -> tuple[float, float]:
-        """Normal and shear force at the end of the step; both 0 where nothing pushes back there.
+        """Normal and shear force, N, at the end of the step; both 0 where nothing pushes back there (shear: Mindlin
+        1949).
 
         elastic_n : of an elastic contact there. slope_n_per_mm : its growth per depth on this step. way_mm : along the
-        surface, on this step.
+            surface, on this step, mm.
         """
         normal_n = (elastic_n - self._alpha_n) / self.beta
         if normal_n <= 0:
@@ -95,7 +96,7 @@ class ContactHistory:
         return normal_n, shear_n
 
     def advance(self, elastic_n: float, slope_n_per_mm: float, way_mm: float) -> tuple[float, float]:
-        """Go there; normal and shear force then, as `forces`."""
+        """Go there; normal and shear force then, N, as `forces`."""
         normal_n, shear_n = self.forces(elastic_n, slope_n_per_mm, way_mm)
         grown_n = self._instant * shear_n
         normal, shear = [], []
@@ -124,7 +125,7 @@ def _weights(
 
 
 def area_share(shear_n: float, normal_n: float, friction: float) -> float:
-    """What shear leaves of the contact area: 1 - 0.1 (Q / mu P)^2; 1 without friction or force."""
+    """What shear leaves of the contact area: 1 - 0.1 (Q / mu P)^2; 1 without friction or force. Q, P in N."""
     limit_n = friction * normal_n
     used = shear_n / limit_n if limit_n > 0 else 0.0
     return 1 - SHRINK_AT_SLIDING * (used * used)

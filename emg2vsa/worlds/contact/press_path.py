@@ -55,15 +55,15 @@ class StiffnessSteps:
 
     @classmethod
     def constant(cls, preset_rad: float) -> StiffnessSteps:
-        """The same at every force."""
+        """The same preset, rad, at every force."""
         return cls(np.array([0.0, math.inf]), np.array([preset_rad]))
 
     def preset_rad(self, force_n: float) -> float:
-        """Preset at a force; below the first edge that of the first step, above the last that of the last."""
+        """Preset, rad, at a force, N; below the first edge that of the first step, above the last that of the last."""
         return float(self.presets_rad[self._step(force_n)])
 
     def next_n(self, force_n: float) -> float:
-        """Force at which the next step begins; infinite in the last one."""
+        """Force, N, at which the next step begins; infinite in the last one."""
         step = self._step(force_n) + 1
         return float(self.edges_n[step]) if step < self.presets_rad.size else math.inf
 
@@ -94,13 +94,13 @@ class PressPaths:
         return found
 
     def duration_s(self, low_n: float = 0.5, high_n: float = 7.0) -> Floats:
-        """(P,) from one force to the other."""
+        """(P,) s from one force to the other, N."""
         times = np.broadcast_to(self.time_s[:, None], self.force_n.shape)
         first, last = self.at_forces(times, [low_n, high_n])
         return np.asarray(last - first)
 
     def rate_mm2_per_n(self, low_n: float = 0.5, high_n: float = 7.0) -> Floats:
-        """(P,) spread rate of the contact, as scores have it."""
+        """(P,) spread rate of the contact, mm2/N, between two forces, N, as scores have it."""
         force_n = np.linspace(low_n, high_n, _GRID)
         return fit_power_laws(self.at_forces(self.area_mm2, force_n).T, force_n).mean_rates(low_n, high_n)
 
@@ -117,8 +117,8 @@ def simulate_presses(
 ) -> PressPaths:
     """One press on each of the ``contacts`` (P,), springs with the ``steps`` (P,) of each; one ``relaxation``, or (P,).
 
-    Time goes in steps of ``step_s``, each exact for a force that grows evenly within it. DataError where springs have
-    no steps, or a press does not come to ``f_max_n`` within ``longest_mm`` of the ramp.
+    Time goes in steps of ``step_s``, s, each exact for a force that grows evenly within it. DataError where springs
+    have no steps, or a press does not come to ``f_max_n``, N, within ``longest_mm``, mm, of the ramp.
     """
     longest_s = longest_mm / drive.speed_mm_per_s
     presses = _Presses(contacts, relaxation, drive, steps, step_s)

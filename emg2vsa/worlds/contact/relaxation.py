@@ -56,7 +56,8 @@ class Relaxation:
         return _of_share(share)
 
     def modulus(self, time_s: ArrayLike) -> Floats:
-        """Share of the modulus after a step of depth, the inverse of J by convolution; any shape."""
+        """Share of the modulus after a step of depth, the inverse of J by convolution, at times, s, of any shape (Lee
+        and Radok 1960)."""
         taus, branches = np.array(self.taus_s), np.array(self.branches)
         # a step of depth: 1 = J0 F + sum z, tau z' = J F - z; a linear system in z, symmetric after scaling
         root = np.sqrt(branches / taus / self.instant)
@@ -123,7 +124,8 @@ class ConvolvedForce:
         self._states = [self.force_n] * len(self._branches)
 
     def alpha_beta(self, step_s: float) -> tuple[Floats, Floats]:
-        """F_c = alpha + beta F, that long from now, where F grows evenly from the present force to F."""
+        """F_c = alpha + beta F, (P,) both, ``step_s``, s, from now, where F grows evenly from the present force to
+        F."""
         self._weigh(step_s)
         alpha, beta = np.zeros(self.force_n.size), self._instant
         for z, (left, from_old, from_new) in zip(self._states, self._weights, strict=True):
@@ -132,7 +134,7 @@ class ConvolvedForce:
         return alpha, beta
 
     def advance(self, step_s: float, force_n: Floats) -> Floats:
-        """Go on to ``force_n``, that long from now; F_c there."""
+        """Go on to ``force_n`` (P,), N, ``step_s``, s, from now; F_c (P,) there."""
         self._weigh(step_s)
         total = self._instant * force_n
         for k, (left, from_old, from_new) in enumerate(self._weights):

@@ -19,7 +19,7 @@ Loads = Callable[[tuple[float, float]], Torques]
 
 
 def no_loads(motors_rad: tuple[float, float]) -> Torques:
-    """Motors that nothing holds back."""
+    """Motors, at angles in rad, that nothing holds back: 0 N m."""
     return 0.0, 0.0
 
 
@@ -34,7 +34,7 @@ class World(Shaft, Protocol):
     """Shaft and loads in one."""
 
     def loads_nm(self, motors_rad: tuple[float, float]) -> Torques:
-        """As `Loads`."""
+        """As `Loads`: N m on each motor, at angles in rad."""
 
 
 class ActuatorEnd(Device, Protocol):

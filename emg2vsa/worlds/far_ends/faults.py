@@ -100,11 +100,11 @@ class FaultPlan:
         self._at_forces: list[tuple[float, Action]] = []
 
     def at_time(self, time_s: float, action: Action) -> None:
-        """Once the clock shows ``time_s``."""
+        """Once the clock shows ``time_s``, s."""
         self._at_times.append((time_s, action))
 
     def at_force(self, force_n: float, action: Action) -> None:
-        """As soon as the true force on the specimen is ``force_n`` or more."""
+        """As soon as the true force on the specimen is ``force_n``, N, or more."""
         self._at_forces.append((force_n, action))
 
     def clear(self) -> None:
@@ -165,7 +165,7 @@ class Device(Protocol):
 
     @property
     def due_s(self) -> float:
-        """When the next answer comes that is on its way; inf for none."""
+        """When the next answer comes that is on its way, s; inf for none."""
 
 
 class FaultyWire:
@@ -229,7 +229,7 @@ class FaultyWire:
 
     @property
     def due_s(self) -> float:
-        """When the next late answer comes, or more of a flood; inf when none is on its way."""
+        """When the next late answer comes, s, or more of a flood; inf when none is on its way."""
         if self.flooded:
             return self._flood_s
         own_s = self._coming[0][0] if self._coming else math.inf
@@ -276,6 +276,7 @@ class WireLine(LoopbackLine):
         self._ask, self._due_s, self._time = device, due_s, clock
 
     def read(self, count: int, timeout_s: float) -> bytes:
+        """Up to ``count`` bytes, those included that come within ``timeout_s``, s."""
         end_s = self._time.now_s() + timeout_s
         while len(self._unread) < count and (due_s := self._due_s()) <= end_s:
             self._time.sleep_until(due_s)

@@ -180,7 +180,7 @@ class RdtBox:
             (self._bias,) = self._loads([time_s])
 
     def run_until(self, time_s: float) -> None:
-        """Send every record that is due."""
+        """Send every record that is due by ``time_s``, s."""
         stream = self._stream
         for record, at_s in self.records_until(time_s):
             assert stream is not None

@@ -80,7 +80,7 @@ class FaultyPost:
 
     @property
     def due_s(self) -> float:
-        """When the next late datagram comes; inf without one."""
+        """When the next late datagram comes, s; inf without one."""
         return self._late[0][0] if self._late else math.inf
 
     def forget(self) -> None:
@@ -90,7 +90,7 @@ class FaultyPost:
         self._late.clear()
 
     def send(self, data: bytes, time_s: float, client: Client, faults: BoxFaults) -> None:
-        """One datagram, or what becomes of it."""
+        """One datagram, sent at ``time_s``, s, or what becomes of it."""
         self._replayed = (self._replayed or data) if faults.replayed else None
         for each in self._spoilt(self._replayed or data, faults):
             if faults.late_s or self._late:
@@ -99,7 +99,7 @@ class FaultyPost:
                 client(each, time_s)
 
     def deliver(self, until_s: float) -> None:
-        """Everything late that has arrived by then."""
+        """Everything late that has arrived by ``until_s``, s."""
         while self._late and self._late[0][0] <= until_s + _ROUNDING_S:
             due_s, data, client = self._late.popleft()
             client(data, due_s)

@@ -40,7 +40,10 @@ class StoredChannel:
 
 
 def stored_channels(planned: PlannedRecording, recording: SyntheticRecording, emg_unit: str) -> list[StoredChannel]:
-    """EMG channels, then force. emg_unit : unit of EMG where the study does not name one."""
+    """EMG channels, then force. emg_unit : unit of EMG where the study does not name one.
+
+    SettingError : the force channel has a unit that is none of force.
+    """
     stored, force = [], planned.channels.force
     for muscle, channel in planned.channels.emg.items():
         unit = channel.unit or emg_unit

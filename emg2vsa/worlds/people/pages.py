@@ -45,7 +45,7 @@ class EmulatedOperator:
         self._ready_s: float | None = None
 
     def turn(self, now_s: float) -> None:
-        """Do what is due."""
+        """Do what is due by ``now_s``, s."""
         if now_s < self._act_at_s:
             return
         self._act_at_s = now_s + THINKING_S

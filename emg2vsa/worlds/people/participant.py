@@ -146,22 +146,23 @@ class EmulatedParticipant:
             self._on_table = self.person.responses.get(specimen, self.person.usual)
 
     def advance(self, time_s: float) -> None:
-        """Let the world go on to a time."""
+        """Let the world go on to a time, s."""
         with self._lock:
             self._advance_to(math.ceil(time_s / STEP_S) + 1)
 
     def force_n(self, times_s: FloatArray) -> FloatArray:
-        """(n,) true force at rising times; the world goes on to the last of them."""
+        """(n,) true force, N, at rising times, s; the world goes on to the last of them."""
         return np.asarray(self._between(times_s - self.person.electromechanical_delay_s, times_s)[0])
 
     def cocontraction_v(self, times_s: FloatArray) -> FloatArray:
-        """(n,) true mean rectified EMG, summed over muscles, at rising times; the world goes on to the last of them."""
+        """(n,) true mean rectified EMG, V, summed over muscles, at rising times, s; the world goes on to the last of
+        them."""
         force_n, a_v, b_v, effort = self._between(times_s, times_s)
         pressing_v = cocontraction_v(force_n, a_v, b_v, self.person.lower_n, self.person.rest_v)
         return np.asarray(pressing_v + effort * (self.person.contraction_v - pressing_v))
 
     def afflicted(self, start_s: float, end_s: float) -> list[Affliction]:
-        """What is wrong with the sensors at some time of an interval."""
+        """What is wrong with the sensors at some time of an interval, s."""
         with self._lock:
             return [each for each in self.afflictions if each.start_s < end_s and each.end_s > start_s]
 

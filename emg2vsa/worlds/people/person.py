@@ -71,12 +71,13 @@ class Person:
 
     @property
     def rest_v(self) -> float:
-        """Tone of the resting muscles: one for all specimens, for a hand at rest does not know what lies before it."""
+        """Tone of the resting muscles, V: one for all specimens, for a hand at rest does not know what lies before
+        it."""
         return REST_SHARE * min(logarithm_end(r.a_v, r.b_v, self.lower_n)[1] for r in self.responses.values())
 
     @property
     def contraction_v(self) -> float:
-        """Level of a maximum voluntary contraction."""
+        """Level of a maximum voluntary contraction, V."""
         return self.contraction_factor * max(r.a_v + r.b_v * math.log(7.0) for r in self.responses.values())
 
 
@@ -129,7 +130,7 @@ def participant_factor(settings: SimulationSettings, index: int) -> tuple[float,
 
 
 def spread(rng: np.random.Generator, relative_sd: float, n: int) -> FloatArray:
-    """``n`` factors around 1; a wide spread is cut at 0.1, for a co-contraction stays positive."""
+    """(n,) factors around 1; a wide spread is cut at 0.1, for a co-contraction stays positive."""
     factors: FloatArray = np.maximum(1 + relative_sd * rng.standard_normal(n), 0.1)
     return factors
 
@@ -150,13 +151,14 @@ def cocontraction_v(
 
 
 def logarithm_end(a_v: Level, b_v: Level, lower_n: float) -> tuple[float, Level]:
-    """Force and co-contraction at which the logarithm ends."""
+    """Force, N, and co-contraction, V, at which the logarithm (paper, eq. 6) ends. lower_n : of the study's window."""
     join_n = JOIN_SHARE * lower_n
     return join_n, a_v + b_v * math.log(join_n)
 
 
 def check_coefficients(where: str, a_v: float, b_v: float, lower_n: float) -> None:
-    """Refuse a logarithm that is not rising, or not positive where it ends."""
+    """SettingError for a logarithm that is not rising, or not positive, V, where it ends. lower_n : of the study's
+    window, N."""
     join_n, join_v = logarithm_end(a_v, b_v, lower_n)
     if not (b_v > 0 and join_v > 0):
         raise SettingError(

@@ -75,11 +75,12 @@ class SyntheticRecording:
 
     @property
     def duration_s(self) -> float:
+        """Length of the recording, s."""
         return self.force_n.size / self.fs_hz
 
     @property
     def time_s(self) -> FloatArray:
-        """(n,) from the first sample."""
+        """(n,) s from the first sample."""
         return np.arange(self.force_n.size) / self.fs_hz
 
 
@@ -116,7 +117,7 @@ class RecordingStream:
         self._force = ForceSensor(force_rng, self.fs_hz, noise_n=noise_n, offset_n=offset_n, page=self.samples)
 
     def take(self, n: int) -> tuple[dict[str, FloatArray], FloatArray]:
-        """The next ``n`` samples, or what is left: EMG of each muscle, V, and the force, N."""
+        """The next ``n`` samples (n,), or what is left: EMG of each muscle, V, and the force, N."""
         number = np.arange(self._taken, min(self._taken + n, self.samples))
         self._taken += number.size
         level_v, force_n = self.truth.cocontraction_v[number], self.truth.presses.force_n
@@ -180,7 +181,7 @@ def longest_record_s(settings: SimulationSettings, window_n: tuple[float, float]
 
 
 def smooth_step(x: FloatArray, taper: float) -> FloatArray:
-    """Rise from 0 at x = 0 to 1 at x = 1 whose speed is a Tukey window with the given tapered share (0, 1]."""
+    """Rise (n,) from 0 at x = 0 to 1 at x = 1 whose speed is a Tukey window with the given tapered share (0, 1]."""
     edge = np.minimum(np.minimum(x, 1 - x), taper / 2)
     half = 0.5 * (edge - taper / (2 * np.pi) * np.sin(2 * np.pi * edge / taper))
     area = half + np.maximum(np.minimum(x, 1 - x) - taper / 2, 0)

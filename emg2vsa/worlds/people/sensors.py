@@ -45,16 +45,16 @@ class Sampler:
         return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(*key, *stream)))
 
     def due(self, time_s: float) -> int:
-        """Samples measured by a time and not yet taken."""
+        """Samples measured by a time, s, and not yet taken."""
         return max(0, math.floor((time_s - self._start_s) * self.fs_hz + 1e-6) + 1 - self.taken)
 
     def lost(self, n: int, frame: int) -> NDArray[np.bool_]:
-        """Which of the ``n`` samples taken last are in a frame that a radio lost; of force none is."""
+        """(n,) which of the ``n`` samples taken last are in a frame that a radio lost; of force none is."""
         return np.zeros(n, dtype=np.bool_)
 
     @property
     def newest_s(self) -> float:
-        """When the last sample taken was measured."""
+        """When the last sample taken was measured, s."""
         return self._start_s + (self.taken - 1) / self.fs_hz
 
     def _next_times_s(self, n: int) -> FloatArray:
@@ -108,6 +108,7 @@ class EmgSampler(Sampler):
         return np.clip(emg_v, -self._range_v, self._range_v, out=emg_v)
 
     def lost(self, n: int, frame: int) -> NDArray[np.bool_]:
+        """(n,) which of the ``n`` samples taken last are in a frame of so many that a radio lost."""
         frames = np.arange(self.taken - n, self.taken) // frame
         begins_s = self._start_s + frames * frame / self.fs_hz
         found = np.zeros(n, dtype=np.bool_)
@@ -134,7 +135,7 @@ class ForceSampler(Sampler):
 
 
 def felt_n(participant: EmulatedParticipant, times_s: FloatArray) -> FloatArray:
-    """(n,) force on the sensor at rising times, without its noise."""
+    """(n,) force, N, on the sensor at rising times, s, without its noise."""
     force_n = participant.force_n(times_s)
     if times_s.size:
         for wrong in participant.afflicted(times_s[0], times_s[-1] + 1e-9):
@@ -179,7 +180,7 @@ class SimulatedSource:
 def simulated_emg(
     participant: EmulatedParticipant, muscles: Sequence[str], fs_hz: float, clock: Clock, delay_s: float = 0.0
 ) -> SimulatedSource:
-    """The EMG of some muscles."""
+    """The EMG of some muscles at ``fs_hz``, Hz. delay_s : from the body to arrival, s."""
     frame = max(1, round(FRAME_S * fs_hz))
     info = StreamInfo("emg", tuple(muscles), "V", fs_hz, EMG_RANGE_V, delay_s, _FACTS, frame)
     return SimulatedSource(EmgSampler(participant, muscles, fs_hz), info, clock)
@@ -188,7 +189,7 @@ def simulated_emg(
 def simulated_force(
     participant: EmulatedParticipant, clock: Clock, fs_hz: float = FORCE_HZ, delay_s: float = 0.0
 ) -> SimulatedSource:
-    """The force."""
+    """The force at ``fs_hz``, Hz. delay_s : from the body to arrival, s."""
     info = StreamInfo("force", ("force",), "N", fs_hz, FORCE_RANGE_N, delay_s, _FACTS)
     return SimulatedSource(ForceSampler(participant, fs_hz), info, clock)
 

@@ -31,7 +31,8 @@ EMG_PAGE, FORCE_PAGE = 1 << 14, 1 << 16
 
 
 def muscle_spectrum(frequency_hz: FloatArray) -> FloatArray:
-    """Power of surface EMG behind its amplifier, arbitrary unit: f_h^4 f^2 / ((f^2 + f_l^2) (f^2 + f_h^2)^2)."""
+    """Power (n,) of surface EMG behind its amplifier, arbitrary unit, at frequencies (n,), Hz: f_h^4 f^2 / ((f^2 +
+    f_l^2) (f^2 + f_h^2)^2)."""
     f2 = np.square(frequency_hz)
     muscle = MUSCLE_HIGH_HZ**4 * f2 / ((f2 + MUSCLE_LOW_HZ**2) * np.square(f2 + MUSCLE_HIGH_HZ**2))
     low, high = AMPLIFIER_BAND_HZ
@@ -40,7 +41,8 @@ def muscle_spectrum(frequency_hz: FloatArray) -> FloatArray:
 
 
 def gaussian_noise(rng: np.random.Generator, n: int, fs_hz: float, spectrum: Spectrum) -> FloatArray:
-    """``n`` samples of zero-mean Gaussian noise whose power follows ``spectrum`` and whose expected variance is 1.
+    """(n,) samples at ``fs_hz``, Hz, of zero-mean Gaussian noise whose power follows ``spectrum`` and whose expected
+    variance is 1.
 
     The noise is drawn in the frequency domain over a length somewhat above ``n``, so that its ends do not meet.
     """
@@ -57,7 +59,7 @@ def gaussian_noise(rng: np.random.Generator, n: int, fs_hz: float, spectrum: Spe
 
 
 def emg_carrier(rng: np.random.Generator, n: int, fs_hz: float) -> FloatArray:
-    """Gaussian EMG carrier with a mean rectified value of 1: sigma sqrt(2/pi) = 1."""
+    """(n,) Gaussian EMG carrier at ``fs_hz``, Hz, with a mean rectified value of 1: sigma sqrt(2/pi) = 1."""
     return math.sqrt(math.pi / 2) * gaussian_noise(rng, n, fs_hz, muscle_spectrum)
 
 
@@ -67,7 +69,7 @@ def below(corner_hz: float) -> Spectrum:
 
 
 def around(centre_hz: float, width_hz: float) -> Spectrum:
-    """Spectrum of a tremor: a Gaussian peak of standard deviation ``width_hz``."""
+    """Spectrum of a tremor: a Gaussian peak at ``centre_hz``, Hz, of standard deviation ``width_hz``."""
     return lambda frequency_hz: np.exp(-0.5 * np.square((frequency_hz - centre_hz) / width_hz))
 
 

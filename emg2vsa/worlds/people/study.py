@@ -179,7 +179,10 @@ def check_labels(plan: Sequence[PlannedRecording]) -> None:
 
 
 def write_bids(folder: Path, planned: PlannedRecording, recording: SyntheticRecording) -> Path:
-    """Data file of one recording with its side files; returns the data file."""
+    """Data file of one recording with its side files; returns the data file.
+
+    SettingError : a rate that is no whole number, which BDF cannot store.
+    """
     if not float(recording.fs_hz).is_integer():
         raise SettingError(
             "simulation.fs_hz", wanted="whole samples a second, for BDF stores whole seconds",

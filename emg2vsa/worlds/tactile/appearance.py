@@ -73,7 +73,7 @@ class Skin:
         return 1 + 3 * self.rings * (self.rings + 1)
 
     def pins_px(self, centre_px: tuple[float, float]) -> NDArray[np.float64]:
-        """(n_pins, 2) positions at rest, row by row from the top, about the axis of the dome at ``centre_px``."""
+        """(n_pins, 2) positions at rest, px, row by row from the top, about the axis of the dome at ``centre_px``."""
         reach = range(-self.rings, self.rings + 1)
         grid = [(column + row / 2, row) for row in reach for column in reach if abs(row + column) <= self.rings]
         middle = np.add(centre_px, self.off_px)

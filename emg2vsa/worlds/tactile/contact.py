@@ -63,7 +63,8 @@ class ContactWorld(ElasticDome):
         return StickSkin(self, pressing)
 
     def radius_mm(self, force_n: ArrayLike, stiffness_n_per_mm: float) -> NDArray[np.float64]:
-        """Contact radius, mm, by `PowerLaw`; 0 where the force does not press."""
+        """Contact radius, mm, by `PowerLaw`, at forces, N, of any shape (scalar or not); 0 where the force does not
+        press."""
         return self.on(stiffness_n_per_mm).radius_mm(force_n)
 
     def area_mm2(self, force_n: ArrayLike, stiffness_n_per_mm: float, angle_deg: float = 0.0) -> NDArray[np.float64]:
@@ -118,15 +119,18 @@ class StickSkin:
         return ContactEllipse(self._centre_px, (state.radius_mm * self._cos / x_mm, state.radius_mm / y_mm))
 
     def area_mm2(self, state: ContactState) -> float:
+        """Area of the contact, mm2, as seen in the image plane."""
         return self.contact(state).area_px2 * self._pressing.camera.mm2_per_px2
 
     def moved_px(self, rest_px: Points, state: ContactState) -> Points:
+        """Places (n, 2), px, of pins that are at ``rest_px`` (n, 2) at rest."""
         if state.normal_n <= 0:
             return rest_px
         touch = self.contact(min(state, self._stuck, key=lambda each: each.radius_mm))
         return self.texture_px(lever(rest_px, touch, self._rim, self._world.lever_ratio), state)
 
     def texture_px(self, points_px: Points, state: ContactState) -> Points:
+        """Places (n, 2), px, of points of the skin, which do not lever as pins do."""
         grown_px = self._grown_px(points_px, state)
         if state.normal_n > 0 and state.tangential_mm and points_px.size:
             return grown_px + self._pulled_px(grown_px, state)

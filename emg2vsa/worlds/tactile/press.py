@@ -73,7 +73,7 @@ class Scene:
         return self.skin.area_mm2(self._state(pressed))
 
     def pins_px(self, pressed: float | ContactState) -> Points:
-        """(n_pins, 2) pin tips, those of missing pins too."""
+        """(n_pins, 2) pin tips, px, those of missing pins too. pressed : by a force, N, or in a state."""
         return self.skin.moved_px(self.rest_px, self._state(pressed))
 
     def image(self, pressed: float | ContactState, frame: int) -> NDArray[np.uint8]:
@@ -87,7 +87,7 @@ class Scene:
         return exposed(still[1], noise_grey, rng, self._room)
 
     def skin_growth(self, before_n: float, after_n: float) -> float:
-        """ln of how much larger the skin of the first contact becomes in the image between two forces."""
+        """ln of how much larger the skin of the first contact becomes in the image between two forces, N."""
         return self.skin.skin_growth(self._state(before_n), self._state(after_n))
 
     def _state(self, pressed: float | ContactState) -> ContactState:
@@ -239,6 +239,7 @@ def casr_truth(area_mm2: ArrayLike, force_n: ArrayLike, *, rule: str = "slope") 
         ``paper``: eq. (2) for the last frame,
         the sum of (A_j - A_{j-1}) / (F_j - F_{j-1}) over j = 1 ... n-1 with F_0 = 0, so that the first quotient is
         (A_1 - A_0) / F_1 although A_0 is the area at the first contact; mm^2/N summed over frames.
+    SettingError : another rule.
     """
     area, force = np.asarray(area_mm2, dtype=np.float64), np.asarray(force_n, dtype=np.float64)
     if rule == "slope":
@@ -268,7 +269,7 @@ class SimulatedFrames:
         return int(self.force_n.size)
 
     def read(self, index: int) -> NDArray[np.uint8]:
-        """(H, W) frame ``index``."""
+        """(H, W) frame ``index``. IndexError : there is none."""
         if not 0 <= index < len(self):
             raise IndexError(index)
         return self.scene.image(float(self.force_n[index]), index)

@@ -79,6 +79,7 @@ class TabulatedWorld:
         """(R,) force, (R,) edge on the inside of the skin and (R, S, 3) motion, for each radius of the tables.
 
         height_mm : of the specimen, mm of a dome of 20 mm; None: the only one of the tables.
+        SettingError : a specimen softer than the tables reach, or of another stiffness than the only table has.
         """
         library = self._of_height(height_mm)
         rows = np.flatnonzero((library.dome == self.dome) & (library.friction == self.friction))
@@ -119,7 +120,8 @@ class TabulatedWorld:
         return library
 
     def radius_mm(self, force_n: Array | float, stiffness_n_per_mm: float, height_mm: float | None = None) -> Array:
-        """Contact radius at forces, mm of a dome of 20 mm; arguments and errors of ``solution``."""
+        """Contact radius, mm of a dome of 20 mm, at forces, N, of any shape (scalar or not); arguments and errors of
+        ``solution``."""
         log_force = np.log(self.solution(stiffness_n_per_mm, height_mm)[0])
         log_radius = np.log(tabulated(self.tables).radius_mm)
         forces = np.asarray(force_n, dtype=np.float64)
@@ -171,10 +173,12 @@ class TabulatedSkin:
         self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
+        """Of a contact under a normal force, N."""
         radius_mm = self._scale * _radius(self._log_force, self._log_radius, force_n)
         return ContactState(radius_mm=self._radius_factor * radius_mm, normal_n=force_n)
 
     def area_mm2(self, state: ContactState) -> float:
+        """Area of the contact, mm2."""
         return math.pi * state.radius_mm**2
 
     def contact(self, state: ContactState) -> ContactEllipse:
@@ -184,6 +188,7 @@ class TabulatedSkin:
         return ContactEllipse((float(middle[0]), float(middle[1])), (float(half[0]), float(half[1])))
 
     def moved_px(self, rest_px: Points, state: ContactState) -> Points:
+        """Places (n, 2), px, of pins that are at ``rest_px`` (n, 2) at rest."""
         if state.normal_n <= 0 or not rest_px.size:
             return rest_px
         return np.asarray(rest_px + self._moved(self._around(rest_px), state))

@@ -46,7 +46,7 @@ class ContactEllipse:
         return math.pi * self.semi_axes_px[0] * self.semi_axes_px[1]
 
     def polygon_px(self, n_points: int = 720) -> Points:
-        """(n_points, 2) outline."""
+        """(n_points, 2) outline, px."""
         angle = np.linspace(0, 2 * np.pi, n_points, endpoint=False)
         return np.column_stack([np.cos(angle), np.sin(angle)]) * self.semi_axes_px + self.centre_px
 
@@ -115,7 +115,7 @@ class PressedSkin(Protocol):
     """The skin of one press."""
 
     def state(self, force_n: float) -> ContactState:
-        """Of a contact that a normal force presses; the shipped worlds know no history."""
+        """Of a contact that a normal force, N, presses; the shipped worlds know no history."""
 
     def moved_px(self, rest_px: Points, state: ContactState) -> Points:
         """(N, 2) where tips of pins, at rest at (N, 2), are in that state."""
@@ -127,7 +127,7 @@ class PressedSkin(Protocol):
         """The edge as the camera sees it, as an ellipse."""
 
     def area_mm2(self, state: ContactState) -> float:
-        """True area of the contact."""
+        """True area of the contact, mm2."""
 
     def skin_growth(self, before: ContactState, after: ContactState) -> float:
         """ln of how much larger the skin that was inside the contact at first becomes in the image between two states.

@@ -76,7 +76,7 @@ class DynamixelFirmware:
 
     @property
     def due_s(self) -> float:
-        """When the next answer comes; inf when none is on its way."""
+        """When the next answer comes, s on the clock; inf when none is on its way."""
         return self._coming[0][0] if self._coming else math.inf
 
     def advance(self) -> None:
@@ -92,7 +92,7 @@ class DynamixelFirmware:
         self._loop.restart()
 
     def angles_rad(self) -> tuple[float, float]:
-        """Where the motor is, as its shaft is told."""
+        """Where the motor is, rad, as its shaft is told."""
         return self.motor.angle_rad, 0.0
 
     @property

@@ -81,7 +81,8 @@ class Motor:
         return (pulses if self._frozen is None else self._frozen) + jumped
 
     def seen_rad_per_s(self) -> float:
-        """Speed as the firmware takes it from the encoder; that it does so without error or delay is a guess."""
+        """Speed, rad/s, as the firmware takes it from the encoder; that it does so without error or delay is a
+        guess."""
         return 0.0 if self.faults.frozen else self.speed_rad_per_s
 
     def step(self, wanted_a: float | None, most_duty: float) -> bool:

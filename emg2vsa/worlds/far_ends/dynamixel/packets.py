@@ -98,7 +98,7 @@ class PacketParser:
         self._unread, self._last_s = bytearray(), 0.0
 
     def feed(self, data: bytes, now_s: float) -> Iterator[Packet]:
-        """Packets, one at a time: what the one changes counts for the next."""
+        """Packets that bytes at ``now_s``, s, complete, one at a time: what the one changes counts for the next."""
         unread = self._unread
         if data:
             if now_s - self._last_s > BYTE_GAP_S:

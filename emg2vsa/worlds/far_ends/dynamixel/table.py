@@ -49,7 +49,7 @@ class DynamixelModel:
 
     @property
     def torque_constant_nm_per_a(self) -> float:
-        """Stall torque over stall current, as nothing else is published; the friction of the gear is in it."""
+        """Stall torque over stall current, N m/A, as nothing else is published; the friction of the gear is in it."""
         return self.stall_torque_nm / self.stall_current_a
 
     def stiffness_nm_per_rad(self, position_p_gain: float) -> float:

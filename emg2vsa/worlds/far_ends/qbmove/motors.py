@@ -89,11 +89,11 @@ class Motors:
             self.faults.frozen.pop(sensor, None)
 
     def angles_rad(self) -> tuple[float, float]:
-        """Where the motors are."""
+        """Where the motors are, rad."""
         return self._at[0] / INTERNAL_PER_RAD, self._at[1] / INTERNAL_PER_RAD
 
     def turn_shaft(self, angle_rad: float) -> None:
-        """The shaft is where the world has it."""
+        """The shaft is where the world has it, rad."""
         self._at[_SHAFT] = angle_rad * INTERNAL_PER_RAD
 
     def measured(self, memory: Memory) -> tuple[int, int, int]:
