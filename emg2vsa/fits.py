@@ -154,31 +154,17 @@ def fit_trials(
         "b_corrected": np.sum(trials.bias.corrected, axis=0), "adj_r2": reported.adj_r2,
         "v_min_v": at_ends[:, 0], "v_max_v": at_ends[:, 1],
     }  # fmt: skip
+    on_bins, on_samples = curves.on_bins, curves.on_samples
     return Fits(
-        participant=np.full(n, trials.participant),
-        specimen=np.full(n, trials.specimen),
-        repetition=trials.repetition,
-        verdict=np.array(verdicts, dtype="<U8"),
-        reason=np.array(reasons, dtype=np.str_),
-        visit=trials.visit if trials.visit.size else np.full(n, ""),
-        start_s=trials.start_s,
-        n_points=reported.n,
-        r2_bins=curves.on_bins.r2,
-        adj_r2_bins=curves.on_bins.adj_r2,
-        r2_samples=curves.on_samples.r2,
-        adj_r2_samples=curves.on_samples.adj_r2,
-        n_effective=curves.n_effective,
-        lag1=curves.lag1,
-        cause=np.array(trials.bias.largest, dtype=np.str_),
-        bin_edges_n=edges,
-        bin_force_n=bins.force_n,
-        bin_v=bins.v,
-        activity_unit=trials.activity_unit,
-        points=fit.points,
-        weights=fit.weights,
-        confidence=fit.confidence,
+        participant=np.full(n, trials.participant), specimen=np.full(n, trials.specimen), repetition=trials.repetition,
+        verdict=np.array(verdicts, dtype="<U8"), reason=np.array(reasons, dtype=np.str_),
+        visit=trials.visit if trials.visit.size else np.full(n, ""), start_s=trials.start_s, n_points=reported.n,
+        r2_bins=on_bins.r2, adj_r2_bins=on_bins.adj_r2, r2_samples=on_samples.r2, adj_r2_samples=on_samples.adj_r2,
+        n_effective=curves.n_effective, lag1=curves.lag1, cause=np.array(trials.bias.largest, dtype=np.str_),
+        bin_edges_n=edges, bin_force_n=bins.force_n, bin_v=bins.v, activity_unit=trials.activity_unit,
+        points=fit.points, weights=fit.weights, confidence=fit.confidence,
         **{name: np.where(fitted, values, np.nan) for name, values in shown.items()},
-    )
+    )  # fmt: skip
 
 
 def _with_bias(reported: LogFit, bias: BiasBudget) -> tuple[Floats, Floats]:

@@ -204,7 +204,7 @@ class StepPlan:
         return message.replace(f"{self.study.path.parent}{os.sep}", _PROJECT)
 
     def _here(self, message: str) -> str:
-        return message.replace(_PROJECT, f"{self.study.path.parent}{os.sep}")
+        return message.replace(_PROJECT, f"{self.study.path.parent}{os.sep}") if message else ""
 
     def _step(self, name: str, item: str) -> Step:
         own = stage(name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import sys
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Literal
 
@@ -37,7 +38,8 @@ REPORTS = ("report", *PART_REPORTS)
 
 def stage(name: str) -> Stage:
     """The stage of that name, imported when it is first asked for."""
-    module = importlib.import_module(module_of(name))
+    path = module_of(name)
+    module = sys.modules.get(path) or importlib.import_module(path)  # asked thousands of times
     found: Stage = module.PART_STAGES[name] if name in PART_REPORTS else module.STAGE
     return found
 

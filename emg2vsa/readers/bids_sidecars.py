@@ -97,7 +97,7 @@ def side_file_paths(path: Path, index: SideFileIndex | None = None) -> tuple[Pat
     in those between. Give one ``index`` for many recordings, so that each folder is listed once. Paths are absolute.
     """
     tables, emg = _applying(path, index or SideFileIndex())
-    return (*tables[-1:], *emg)
+    return (*tables, *emg)
 
 
 def side_files(path: Path) -> SideFiles:
@@ -106,7 +106,7 @@ def side_files(path: Path) -> SideFiles:
     emg: dict[str, Any] = {}
     for level in levels:
         emg.update(_json(level))
-    return SideFiles(_channels(tables[-1]) if tables else {}, emg)
+    return SideFiles(_channels(tables[0]) if tables else {}, emg)
 
 
 _EQUIPMENT = (
@@ -132,7 +132,7 @@ class _Folder:
     emg: _ByEntity
 
 
-_ByEntity = dict[str, list[tuple[frozenset[str], Path]]]
+_ByEntity = dict[str, list[tuple[frozenset[str], str]]]
 
 
 def _listed(path: str) -> _Folder | None:
@@ -150,7 +150,7 @@ def _by_entity(folder: str, names: Sequence[str], ending: str) -> _ByEntity:
     A side file applies where its entities are all the recording's own, so those of other recordings are not looked at.
     """
     files = [
-        (frozenset(name.removesuffix(ending).split("_")) - {""}, Path(folder, name))
+        (frozenset(name.removesuffix(ending).split("_")) - {""}, os.path.join(folder, name))
         for name in names
         if name.endswith(ending)
     ]
@@ -162,21 +162,22 @@ def _by_entity(folder: str, names: Sequence[str], ending: str) -> _ByEntity:
 
 
 def _applying(path: Path, index: SideFileIndex) -> tuple[list[Path], list[Path]]:
-    """The ``_channels.tsv`` and ``_emg.json`` that apply by the inheritance principle, the most general first."""
+    """The ``_channels.tsv`` and ``_emg.json`` that apply by the inheritance principle, these the most general first."""
     folder, name = os.path.split(path)
     stem, extension = os.path.splitext(name)
     if not stem.endswith("_emg") or extension.lower() not in _EXTENSIONS:
         return [], []
     own = {"", *stem.split("_")[:-1]}
     chain = index.chain(folder if os.path.isabs(folder) else os.path.join(os.getcwd(), folder).rstrip(os.sep))
-    tables = [file for level in chain for file in _fitting(level.tables, own)]
-    return tables, [file for level in chain for file in _fitting(level.emg, own)]
+    kinds = [level.tables for level in chain], [level.emg for level in chain]
+    tables, emg = ([file for level in levels for file in _fitting(level, own)] for levels in kinds)
+    return [Path(file) for file in tables[-1:]], [Path(file) for file in emg]
 
 
-def _fitting(files: _ByEntity, own: set[str]) -> list[Path]:
+def _fitting(files: _ByEntity, own: set[str]) -> list[str]:
     """Those whose entities are all the recording's own, the most general first."""
     fitting = [file for entity in own if entity in files for entities, file in files[entity] if entities <= own]
-    return sorted(fitting, key=lambda file: (len(file.name), file.name)) if len(fitting) > 1 else fitting
+    return sorted(fitting, key=lambda file: (len(file), file)) if len(fitting) > 1 else fitting
 
 
 def _json(path: Path) -> dict[str, Any]:
@@ -228,10 +229,10 @@ def session_events(recording: Path, index: SideFileIndex | None = None) -> Path 
     name = f"{stem.removesuffix('_emg')}_events.tsv"
     if index is not None and not index.holds(os.path.dirname(recording), name):
         return None
-    path = recording.with_name(name)
+    path = os.path.join(os.path.dirname(recording), name)
     try:
-        with path.open(encoding="utf-8-sig") as file:
-            head = file.readline().rstrip("\r\n").split("\t")
+        with open(path, "rb") as file:
+            head = file.readline().decode("utf-8-sig").rstrip("\r\n").split("\t")
     except (OSError, ValueError):
         return None
-    return path if {"counts", "decision"} <= set(head) else None
+    return Path(path) if {"counts", "decision"} <= set(head) else None

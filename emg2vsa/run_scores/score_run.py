@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -35,74 +35,63 @@ def score_run(
 
     angle_deg : of the sensor, degrees. A press that cannot be scored has NaN and its reason.
     """
-    repetitions: list[int] = []
-    mountings: list[int] = []
-    reasons: list[str] = []
-    peaks_n: list[float] = []
-    pressed_at: list[float] = []
-    scored: list[ScoredPress | None] = []
-    counts: list[int] = []
-    first_n: list[float] = []
+    rows: list[_Row] = []
     first_contact: FirstContact | None = None
-    unit_of_rejected = "mm2"
-    cameras: set[Camera | None] = set()
     for press in map(_decoded_once, presses):
         found, reason = _tried(press, settings, domes)
-        if found and press.frames:
-            cameras.add(press.frames.camera)
-        else:
-            unit_of_rejected = press.area_unit
-        repetitions.append(press.repetition)
-        mountings.append(press.mounting)
-        peaks_n.append(press.peak_n)
-        pressed_at.append(press.pressed_at)
-        reasons.append(reason)
-        scored.append(found)
         counted = _counted(press, settings, found)
-        counts.append(counted.selected.size if counted else -1)
-        first_n.append(float(counted.force_n[0]) if counted else np.nan)
-        if first_contact is None and counted and counted.selected.size:
-            first_contact = counted
+        rows.append(_Row.of(press, found, reason, counted))
+        first_contact = first_contact or (counted if counted and counted.selected.size else None)
+    scored = [row.found for row in rows]
+    known = [found for found in scored if found]
+    told = (*notes, *_missing(scored, settings.algorithm), *(note for found in known for note in found.notes))
+    # what has no score has no unit of its own
+    units = [found.area_unit for found in known] or [row.press.area_unit for row in rows][-1:] or ["mm2"]
     return RunScores(
-        specimen=specimen,
-        angle_deg=angle_deg,
-        condition=condition,
-        simulated=simulated,
-        algorithm=settings.algorithm,
-        repetitions=np.array(repetitions, dtype=np.int64),
-        mounting=np.array(mountings, dtype=np.int64),
-        pressed_at=np.array(pressed_at, dtype=np.float64),
+        specimen=specimen, angle_deg=angle_deg, condition=condition, simulated=simulated, algorithm=settings.algorithm,
+        repetitions=np.array([row.press.repetition for row in rows], dtype=np.int64),
+        mounting=np.array([row.press.mounting for row in rows], dtype=np.int64),
+        pressed_at=np.array([row.press.pressed_at for row in rows], dtype=np.float64),
         verdicts=tuple("ok" if found else "rejected" for found in scored),
-        reasons=tuple(reasons),
-        area_unit=next((found.area_unit for found in scored if found), unit_of_rejected),
-        pins_selected=np.array(counts, dtype=np.int64),
-        first_n=np.array(first_n, dtype=np.float64),
+        reasons=tuple(row.reason for row in rows),
+        area_unit=units[0],
+        pins_selected=np.array([row.selected for row in rows], dtype=np.int64),
+        first_n=np.array([row.first_n for row in rows], dtype=np.float64),
         a_c0=_by_algorithm([found.a_c0 if found else None for found in scored]),
         start_area=_by_algorithm([found.start_area if found else None for found in scored]),
         casr=_by_algorithm([found.casr if found else None for found in scored]),
         over_array=_by_algorithm([found.over_array if found else None for found in scored]),
-        true_a_c0=np.full(len(scored), np.nan),
+        true_a_c0=np.full(len(rows), np.nan),
         indent_n_per_mm=np.array([found.indent_n_per_mm if found else np.nan for found in scored]),
-        peak_n=np.array(peaks_n, dtype=np.float64),
+        peak_n=np.array([row.press.peak_n for row in rows], dtype=np.float64),
         curves=tuple(found.curve if found else _NOTHING for found in scored),
         picture=min(
-            (found.picture for found in scored if found and found.picture),
-            key=lambda picture: abs(picture.force_n - PICTURED_N),
-            default=None,
+            (found.picture for found in known if found.picture),
+            key=lambda picture: abs(picture.force_n - PICTURED_N), default=None,
         ),
         first_contact=first_contact,
-        notes=tuple(
-            dict.fromkeys(
-                (
-                    *notes,
-                    *_missing(scored, settings.algorithm),
-                    *(note for found in scored if found for note in found.notes),
-                )
-            )
-        ),
+        notes=tuple(dict.fromkeys(told)),
         pins=tuple(found.pins if found else None for found in scored),
-        camera=_one_camera(cameras),
-    )
+        camera=_one_camera({row.camera for row in rows if row.found}),
+    )  # fmt: skip
+
+
+class _Row(NamedTuple):
+    """What is kept of a press, whose frames are let go. found : its scores, or None for a ``reason``. selected, first_n
+    : pins that the paper's Algorithm 1 counts, -1 where it cannot, and the force then."""
+
+    press: Press
+    found: ScoredPress | None
+    reason: str
+    selected: int
+    first_n: float
+    camera: Camera | None
+
+    @classmethod
+    def of(cls, press: Press, found: ScoredPress | None, reason: str, counted: FirstContact | None) -> _Row:
+        selected, first_n = (counted.selected.size, float(counted.force_n[0])) if counted else (-1, np.nan)
+        camera = press.frames.camera if press.frames else None
+        return cls(replace(press, frames=None), found, reason, selected, first_n, camera)
 
 
 def _one_camera(cameras: set[Camera | None]) -> dict[str, Any]:
