@@ -48,9 +48,11 @@ html_theme = "furo"
 html_title = "emg2vsa"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
+html_js_files = ["site.js"]
+html_search_scorer = str(ROOT / "docs" / "search_scorer.js")
 html_show_sphinx = False
 html_copy_source = False
-pygments_style = "friendly"
+pygments_style = "a11y-light"  # contrast of 4.5 and more; it comes with the theme
 pygments_dark_style = "monokai"
 
 _OUTSIDE = re.compile(r"\[([^\]\n]+)\]\(((?:\.\./)[^)\s#]*)(#[^)\s]*)?\)")
