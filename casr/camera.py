@@ -107,7 +107,8 @@ class Camera:
         return x_mm * y_mm
 
     def undistorted_px(self, points_px: ArrayLike) -> NDArray[np.float64]:
-        """(N, 2) points as a distortion-free camera with the same matrix would see them, px; NaN stays NaN."""
+        """(N, 2) points as a distortion-free camera with the same matrix would see them, px; NaN stays NaN. The lens is
+        that of OpenCV's manual (calib3d)."""
         points = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
         if not self.distortion or points.size == 0:
             return points
@@ -118,7 +119,8 @@ class Camera:
         return undistorted[:, 0, :].astype(np.float64)
 
     def distorted_px(self, points_px: ArrayLike) -> NDArray[np.float64]:
-        """(N, 2) where the camera sees points (N, 2) of the undistorted image, px; undoes ``undistorted_px``."""
+        """(N, 2) where the camera sees points (N, 2) of the undistorted image, px; undoes ``undistorted_px``. The lens
+        is that of OpenCV's manual (calib3d)."""
         points = np.asarray(points_px, dtype=np.float64).reshape(-1, 2)
         if not self.distortion or points.size == 0:
             return points

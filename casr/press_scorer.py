@@ -162,7 +162,8 @@ class PressScorer:
         return self._rest.centroids_px
 
     def areas(self, force_n: Array | None) -> Array:
-        """(T,) area of the first contact's skin in ``area_unit`` in the good frames, as far as there are forces."""
+        """(T,) area of the first contact's skin in ``area_unit`` in the good frames, as far as there are forces.
+        Equation (1) of the paper, or its consistent form."""
         force_n = None if force_n is None else self._of_good(force_n)
         steps = self._steps if force_n is None else self._steps[: len(force_n) - 1]
         law = self._settings.area_law
@@ -208,6 +209,7 @@ class PressScorer:
 
         force_n : (T,) forces of all frames of ``phase``, N; None without a force log.
         force_zero_sd_n : standard error of the resting level, N; None where none was taken off.
+        Skin: equations (1) and (2) of the paper, by law and rule of the settings.
         """
         of_skin = self._of_skin(phase, force_n)
         frames, skin, by_front = of_skin["frames"], of_skin["skin"], self._settings.quantity == "front"

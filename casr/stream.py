@@ -172,7 +172,8 @@ class StreamScorer:
             self._contacts[-1].settle()
 
     def finish(self) -> Score:
-        """Score of the press among the frames so far; more may be pushed after. Raises what ``score`` would."""
+        """Score of the press among the frames so far; more may be pushed after. Raises what ``score`` would, and
+        FramesError where the first contact was none by the later rest."""
         settings, zero = self._settings, self._resting.zero
         force_n = np.array(self._force_n) - self._zero_n
         check_newtons(force_n, "force")

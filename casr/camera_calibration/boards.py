@@ -54,7 +54,10 @@ class Chessboard:
         return self.columns * self.rows
 
     def find(self, picture: NDArray[np.uint8]) -> Corners:
-        """Corners on the board (N, 3) mm and in an 8-bit grey picture (H, W), (N, 2) px; none where one is hidden."""
+        """Corners on the board (N, 3) mm and in an 8-bit grey picture (H, W), (N, 2) px; none where one is hidden.
+
+        By cv2.findChessboardCornersSB (Duda and Frese 2018).
+        """
         flags = cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_ACCURACY
         there, found = cv2.findChessboardCornersSB(picture, (self.columns, self.rows), flags=flags)
         if not there:
@@ -110,7 +113,10 @@ class Charuco:
         return (self.columns - 1) * (self.rows - 1)
 
     def find(self, picture: NDArray[np.uint8]) -> Corners:
-        """Corners on the board (N, 3) mm and in an 8-bit grey picture (H, W), (N, 2) px: those that are seen."""
+        """Corners on the board (N, 3) mm and in an 8-bit grey picture (H, W), (N, 2) px: those that are seen.
+
+        By OpenCV's ArUco (Garrido-Jurado et al. 2014).
+        """
         for board, detector in self._detectors:
             found, ids, _, _ = detector.detectBoard(picture)
             if ids is not None and len(ids):

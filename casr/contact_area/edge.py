@@ -83,7 +83,8 @@ class DisplacementField:
         return _skin_shapes(away, _edges_away(away, p[..., 2:3], ellipse), self.middle - centre, np.exp(p[..., 5:6]))
 
     def residuals(self, p: Array) -> tuple[Array, Array]:
-        """(..., 2N) residuals and (..., 2) strengths of bending and stretching, of (..., 6) parameters."""
+        """(..., 2N) residuals and (..., 2) strengths of bending and stretching, of (..., 6) parameters. The contact
+        bends its skin as in Johnson (1985), section 3.4."""
         bent, stretched = shapes = self._unshifted(self._shapes(p))
         (bb, ss), bs = (shapes * shapes).sum(axis=-1), (bent * stretched).sum(axis=-1)
         bd, sd = shapes @ self._target
@@ -95,7 +96,8 @@ class DisplacementField:
         return self._target - strengths[..., :1] * bent - strengths[..., 1:] * stretched, strengths
 
     def trusting(self, p: Array) -> DisplacementField:
-        """The same field with less trust in pins far from the contact p (6,) or far off the model (Huber's weights)."""
+        """The same field with less trust in pins far from the contact p (6,) or far off the model (weights of Huber
+        1981)."""
         off = np.abs(self.residuals(p[None])[0][0].view(np.complex128)) / self._root
         limit = HUBER_LIMIT * max(float(median(off)), 1e-9)
         edges = np.abs(self.rest - (p[0] + 1j * p[1])) / np.exp(p[2])
@@ -117,7 +119,7 @@ class DisplacementField:
         return min(self.minimised(np.array(starts), enough), key=self.cost)
 
     def minimised(self, p: Array, enough: float) -> Array:
-        """(K, 6) where Levenberg-Marquardt leads to from (K, 6), each for itself but all at once."""
+        """(K, 6) where Levenberg-Marquardt (Marquardt 1963) leads to from (K, 6), each for itself but all at once."""
         p, damping, going = p.copy(), np.full(len(p), 1e-2), np.arange(len(p))
         errors = self.residuals(p[:, None])[0][:, 0]
         cost = np.array([float(each @ each) for each in errors])

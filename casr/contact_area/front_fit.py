@@ -128,6 +128,7 @@ def fit_front(
     looks : at all worlds, 1 or 2: one is half the work, and enough where the centre is nearly known.
     sheared : the contact may also be pulled along the surface, by any way in any direction in each frame.
     free_pole : the pole is found, too, drawn to that of the view with a standard error of ``POLE_SD_MM``.
+    What a frame has of its own is taken out of the residuals by variable projection (Golub and Pereyra 1973).
     """
     moved_px, seen = _moved(rest_px, pins_px)
     some = np.unique(np.linspace(0, len(moved_px) - 1, _CHOICE_FRAMES).astype(np.intp))

@@ -35,6 +35,7 @@ def pulled_px(around: PinsAroundAxis, n_pins: int, radius_mm: Array, clamp_mm: f
     of A axes is pulled along the surface by 1 mm, in either direction.
 
     around : N pins about one axis after the other. clamp_mm : arc from the middle to where the skin is held.
+    The pull of a sheared disc is that of Johnson (1985), section 3.7.
     """
     view = around.view
     axes = np.broadcast_to(around.axis, around.directions.shape)[::n_pins]

@@ -111,7 +111,7 @@ class PinsAroundAxis:
         """(N, 2, ...) px from rest, of displacements (N, ...) of the skin under the pins across and along the axis, mm,
         and its tilt there, rad.
 
-        ``pulled_mm`` : (N, 3, ...) more that friction adds, mm.
+        pulled_mm : (N, 3, ...) more that friction adds, mm.
         A pin is stiff and stands square on the skin, so its tip turns with it. An axis that is not the dome's own is an
         assumption: it takes the clamped base for as far away from that contact as from one at the pole.
         """

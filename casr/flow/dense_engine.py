@@ -56,11 +56,10 @@ SUPPORT_PX = 24
 
 
 def dis_flow(first: Grey, second: Grey, *, preset: str = "medium") -> NDArray[np.float32]:
-    """Flow from ``first`` to ``second`` by dense inverse search.
+    """Flow from ``first`` to ``second`` by dense inverse search (Kroeger et al. 2016).
 
     first, second : (H, W) images of the same shape, grey levels 0 to 255; crops of a larger image may be given.
     preset : ``"ultrafast"``, ``"fast"`` or ``"medium"``, OpenCV's trade of time against accuracy.
-
     Returns (H, W, 2) float32, (u right, v down) px.
     ImageError : the shapes differ, or an image is none. SettingError : no such preset.
     """
@@ -99,7 +98,8 @@ class Dis:
         self._before = image.copy()  # a camera may write its next frame into the same memory
 
     def step(self, image: Grey, roi: tuple[int, int, int, int]) -> NDArray[np.float32]:
-        """(H, W, 2) flow from the frame before, px, in the box (x0, y0, x1, y1) and some support; NaN elsewhere."""
+        """(H, W, 2) flow from the frame before (Kroeger et al. 2016), px, in the box (x0, y0, x1, y1) and some support;
+        NaN elsewhere."""
         x0, y0 = (max(edge - SUPPORT_PX, 0) for edge in roi[:2])
         x1, y1 = (edge + SUPPORT_PX for edge in roi[2:])
         flow = np.full((*image.shape, 2), np.nan, np.float32)

@@ -36,7 +36,7 @@ ALPHA_OF_GRADIENT = (0.2, 10.0)
 def horn_schunck(
     first: NDArray[Any], second: NDArray[Any], *, settings: HornSchunckSettings | None = None, roi: Box | None = None
 ) -> Floats:
-    """Flow (H, W, 2) from first to second; see :meth:`HornSchunck.step`."""
+    """Flow (H, W, 2), px, from first to second (Horn and Schunck 1981); see :meth:`HornSchunck.step`."""
     engine = HornSchunck(settings)
     engine.start(first)
     return engine.step(second, roi)

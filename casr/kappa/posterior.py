@@ -232,7 +232,8 @@ class Posterior:
         return float(self.mean[k]), float(np.sqrt(self.covariance[k, k]))
 
     def label(self, log_kappa: Array) -> Array:
-        """(K,) label z that pins of this sensor show at K values of ln kappa: by the line, and the curve about it."""
+        """(K,) label z that pins of this sensor show at K values of ln kappa: by the line, and the curve about it
+        (Kennedy and O'Hagan 2001)."""
         level, slope = self.mean[self.n_label + 1 : self.n_label + 3]
         at, seen = self.z(np.exp(log_kappa)), self.z(np.exp(self.mean[self.n_label + 3 :][self._of]))
         residual, _, weight = self._statements(self.mean)

@@ -145,7 +145,10 @@ def _irregularity(pins: Pins) -> float:
 
 
 def find_pins(grey: Grey, view: PinView) -> Pins:
-    """Sub-pixel pins of a frame (H, W) that went through ``view.grey``, in its px. PinsError : fewer than three."""
+    """Sub-pixel pins of a frame (H, W) that went through ``view.grey``, in its px (paper, Algorithm 1, steps 1 and 2).
+
+    PinsError : fewer than three.
+    """
     _check_count(grey, min(grey.size, FEWEST_PINS), view)  # OpenCV refuses to compare a single pixel
     count("pixels weighed", grey.size)
     excess, mask = above_surroundings(grey, view.block_px, view.contrast)

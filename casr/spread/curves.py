@@ -65,7 +65,10 @@ class PowerLawFits:
     untold: Vector
 
     def mean_rates(self, low_n: float, high_n: float | Vector) -> Vector:
-        """(P,) as ``PowerLaw.mean_rate``; low_n, high_n : N, the latter one or (P,)."""
+        """(P,) as ``PowerLaw.mean_rate``; low_n, high_n : N, the latter one or (P,).
+
+        The mean rate stands in place of the paper's sum, equation (2).
+        """
         low, high = (np.exp((self.found * self._at(force_n)).sum(axis=1)) for force_n in (low_n, high_n))
         return np.asarray((high - low) / (high_n - low_n))
 

@@ -153,7 +153,10 @@ def spread_rate(
 
 
 def spread_rates(areas: Vector, force_n: Vector, *, rule: str, window_n: tuple[float, float]) -> Vector:
-    """(P,) values of ``spread_rate`` of areas (P, T) over the same forces (T,), N; errors as there."""
+    """(P,) values of ``spread_rate`` of areas (P, T) over the same forces (T,), N; errors as there.
+
+    Rule ``paper`` is equation (2) as printed.
+    """
     if rule != "power":
         return np.array([spread_rate(area, force_n, rule=rule, window_n=window_n).value for area in areas])
     known = ~np.isnan(force_n)

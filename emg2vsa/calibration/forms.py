@@ -65,8 +65,10 @@ _MOST_POWER = 2.0  # a contact growing faster would not resist at all
 
 
 def x_of(law: Law, casr: Floats) -> Floats:
-    """The score on the axis X of the law, an array of the shape of ``casr``; NaN where it has no logarithm or no
-    root."""
+    """The score on the axis X of the law, an array of the shape of ``casr``; NaN where it has no logarithm or no root.
+
+    The compliance law follows from Hertz (1881); the exponential law is the paper's.
+    """
     if law == "exponential":
         return casr
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
@@ -75,7 +77,8 @@ def x_of(law: Law, casr: Floats) -> Floats:
 
 
 def casr_of(law: Law, x: Floats) -> Floats:
-    """The score at places (n,) on the axis of the law: the inverse of ``x_of``. NaN where there is none."""
+    """The score at places (n,) on the axis of the law (compliance: Hertz 1881): the inverse of ``x_of``. NaN where
+    there is none."""
     if law == "exponential":
         return x
     with np.errstate(invalid="ignore", over="ignore"):
@@ -92,14 +95,16 @@ def x_slope(law: Law, casr: Floats) -> Floats:
 
 
 def eta_of(law: Law, kappa: Floats) -> Floats:
-    """Stiffness (n,) > 0, N/mm, on the axis eta of the law."""
+    """Stiffness (n,) > 0, N/mm, on the axis eta of the law (compliance: Johnson 1985, eqs 3.36 and 4.22; exponential:
+    the paper's)."""
     if law == "compliance":
         return np.asarray(1 / kappa)
     return kappa if law == "linear-log" else np.asarray(np.log(kappa))
 
 
 def kappa_of(law: Law, eta: Floats) -> Floats:
-    """Stiffness (n,), N/mm, at a place on the axis of the law; a compliance of 0 or less has none: NaN."""
+    """Stiffness (n,), N/mm, at a place on the axis of the law (compliance: Johnson 1985, eq. 3.36); a compliance of 0
+    or less has none: NaN."""
     if law == "linear-log":
         return eta
     with np.errstate(over="ignore", divide="ignore", invalid="ignore"):

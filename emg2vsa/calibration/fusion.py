@@ -109,8 +109,8 @@ def calibrate_indentation(
 
 
 def mm_per_n(indent_n_per_mm: ArrayLike) -> Floats:
-    """The score of the kinesthetic cue (..., same shape), mm/N, of slopes in N/mm; NaN where the force does not
-    rise."""
+    """The score of the kinesthetic cue (Johnson 1985, eq. 4.23), (..., same shape), mm/N, of slopes in N/mm; NaN where
+    the force does not rise."""
     slope = np.asarray(indent_n_per_mm, dtype=np.float64)
     with np.errstate(divide="ignore", invalid="ignore"):
         return np.where(slope > 0, 1 / slope, np.nan)
@@ -129,6 +129,8 @@ def fuse(
 
     c, k : interval of each cue alone. area, depth : (d, R) the scores it is from, NaN where there is none.
     mountings : (R,) number of each press's mounting; None: one.
+    Weights of correlated estimates after Lyons, Gibaut and Clifford (1988); what estimated variances cost, after Meier
+    (1953).
     """
     labels = labels_side_by_side(cutaneous.labels, area.shape[1], mountings)
     a, b = (by_mounting(side_by_side(cue.casr, own), labels) for cue, own in ((cutaneous, area), (kinesthetic, depth)))

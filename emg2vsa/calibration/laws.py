@@ -80,6 +80,7 @@ def fit_law(law: Law, minimise: Minimise, casr: Floats, kappa: Floats) -> LawFit
 
     A score of zero or less, where the law takes its logarithm or root, makes a fit undefined: leaving it out would
     flatter the law. SettingError where the law is not fitted this way (``WAYS``).
+    Least squares of kappa by the exponential law is the paper's way.
     """
     if minimise not in WAYS[law]:
         raise SettingError(

@@ -40,7 +40,7 @@ def redrawn(scores: Floats, resamples: int, rng: np.random.Generator) -> Floats:
 def without_outliers(scores: Floats, mads: float) -> Floats:
     """Presses (S, R) with the outliers of each specimen (``far_off``) set to NaN.
 
-    A specimen with more outliers than ``MOST_OUTLIERS`` of its presses keeps all of them.
+    A specimen with more outliers than ``MOST_OUTLIERS`` of its presses keeps all of them. Outliers by Hampel (1974).
     """
     far = far_off(scores, mads)
     few = np.count_nonzero(far, axis=-1) <= MOST_OUTLIERS * np.count_nonzero(np.isfinite(scores), axis=-1)

@@ -98,6 +98,7 @@ def repeat_interval(
     in_series : False takes the presses as independent. known : place of the known specimen whose presses these are, so
     that they move the law as well. widened : (d,) factor on the standard error of eta. All is NaN where the calibration
     is not monotone.
+    Degrees of freedom after Welch (1947) and Satterthwaite (1946).
     """
     law, confidence = calibration.settings.law, calibration.settings.confidence
     presses = side_by_side(calibration.casr, scores)

@@ -17,6 +17,7 @@ def ratio(top: Floats, bottom: Floats, more: Slope | None = None) -> Found:
 
     more : an error of the mean of ``top`` besides its scatter, whose value counts for nothing. The interval is that of
     all ratios r which Student's t of top - r bottom does not reject; endless where the mean of ``bottom`` may be 0.
+    By Fieller (1954).
     """
     n, scale = top.size, float(np.max(np.abs(bottom), initial=0.0))
     if n < 2 or not 0 < scale < np.inf:

@@ -59,7 +59,8 @@ def by_recordings(found: Found, level: Floats, steps: Floats, of_presses: float)
 
 
 def shape_of(values: Floats) -> tuple[Floats, Floats]:
-    """Skewness and excess kurtosis of clusters (..., R), free of bias for Gaussian ones; NaN below four values."""
+    """Skewness and excess kurtosis of clusters (..., R), free of bias for Gaussian ones; NaN below four values (G1 and
+    G2 of Joanes and Gill 1998)."""
     there = np.isfinite(values)
     n = np.count_nonzero(there, axis=-1).astype(np.float64)
     n[n < _FEWEST_FOR_SHAPE] = np.nan
@@ -75,7 +76,7 @@ def shape_of(values: Floats) -> tuple[Floats, Floats]:
 
 
 def mean_of_people(values: Floats) -> Found:
-    """Of one value a person (P,), Student's t; people without one do not count. UNKNOWN below two."""
+    """Of one value a person (P,), by Student's t (1908); people without one do not count. UNKNOWN below two."""
     own = values[np.isfinite(values)]
     if own.size < 2:
         return UNKNOWN

@@ -70,7 +70,7 @@ class BlockTests:
 
     @property
     def pair_families(self) -> dict[str, Floats]:
-        """p (1, q) of every pair, Holm's over the q pairs, by name of the test.
+        """p (1, q) of every pair, by Holm (1979) over the q pairs, by name of the test.
 
         Paired t first: each pair has its own SD of differences. The mixed model takes one for all pairs, and finds too
         many where some specimens scatter more than others (benchmarks/results/familywise).

@@ -77,6 +77,7 @@ def bin_means(force_n: Floats, v: Floats, offsets: Ints, edges_n: Floats) -> For
 
     The force of a bin is the geometric mean of its samples' forces, so that a law linear in ln F passes through the
     bin means exactly (the arithmetic mean would bias b by some tenths of a percent).
+    Bins of force are those of paper IV.B.
     """
     n_bins = edges_n.size - 1
     column = np.searchsorted(edges_n, force_n, side="right") - 1
@@ -119,7 +120,7 @@ def bin_covariance(bins: ForceBins, noise: Floats, memory: Floats) -> Floats:
 
 def error_factors(x: Floats, weights: Floats, covariance: Floats) -> tuple[Floats, Floats, Floats]:
     """By how much (k,), (k,) the standard errors of intercept and slope must grow, given the points' true covariance;
-    and the degrees of freedom (k,) that are left to the variance of the residuals (Satterthwaite), 1 at least.
+    and the degrees of freedom (k,) that are left to the variance of the residuals (Satterthwaite 1946), 1 at least.
 
     x, weights : (k, B) of the weighted line; weight 0 leaves a point out. covariance : (k, B, B), up to a factor.
     The variance of the residuals is corrected for the covariance too. 1 where it cannot be said, and, up to rounding,

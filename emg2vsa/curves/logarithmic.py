@@ -146,6 +146,7 @@ def fit_log_by_level(
     force_n, v : (k, p), NaN where there is no point; counts : (k, p) samples behind each, 0 there. The level comes from
     a fit by counts alone, and once more from the fit weighted so: after one round b is .15 % too small, after two the
     bias is that of the true weights.
+    The law is equation (6) of the paper.
     """
     x, weights = np.log(force_n), counts
     line = _fit_points(x, v, counts, robust)

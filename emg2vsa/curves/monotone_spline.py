@@ -50,6 +50,7 @@ def fit_monotone(force_n: Floats, v: Floats, weights: Floats, range_n: tuple[flo
 
     force_n, v, weights : (p,) points, newtons and the unit of the activity; those that are not finite, outside
     ``range_n`` or without weight are left out. DataError below two points.
+    Sums of its B-splines are I-splines (Ramsay 1988).
     """
     from scipy.interpolate import BSpline  # noqa: PLC0415
     from scipy.optimize import nnls  # noqa: PLC0415

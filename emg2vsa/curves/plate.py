@@ -120,6 +120,7 @@ def fit_plate(trials: Sequence[tuple[Floats, Floats]], window: int = PAPER_WINDO
     Raises
     ------
     SettingError : a window below 1.
+    The line is that of paper IV.B; where it begins has the price of Zhang and Siegmund (2007).
     """
     if window < 1:
         raise SettingError("window", wanted="1 sample or more", found=str(window), do="Use 5, as in the paper.")

@@ -160,8 +160,8 @@ def _fit(force_n: Floats, v: Floats, counts: Floats, fit: FitSettings) -> tuple[
 def autocorrelation(residuals: Floats) -> Floats:
     """Autocorrelation (k, p) at lags 0 to p - 1 of rows (k, p), padded with NaN at the end.
 
-    Biased estimate (sums over all n values), so that no lag is wild. NaN for rows that are constant or have fewer than
-    three values.
+    Biased estimate (sums over all n values; Box and Jenkins 1976), so that no lag is wild. NaN for rows that are
+    constant or have fewer than three values.
     """
     k, p = residuals.shape
     if k == 0 or p < 3:
@@ -218,6 +218,7 @@ def effective_number(correlation: Floats, n: Floats) -> Floats:
     """Independent observations (k,) that n (k,) values of this autocorrelation (k, p) are worth, 1 to n.
 
     n / (1 + 2 sum (1 - j / n) r_j) over the ``memory``; NaN where the autocorrelation is.
+    The formula is that of Bayley and Hammersley (1946).
     """
     if correlation.shape[1] < 2:
         return np.full(len(correlation), np.nan)

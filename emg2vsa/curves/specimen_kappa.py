@@ -57,8 +57,11 @@ class NestedMean:
 def nested_mean(
     values: Floats, errors: Floats, castings: Sequence[str], mountings: Sequence[str], spread: Spread | None = None
 ) -> NestedMean:
-    """values, errors : (n,) of presses, with the standard error within each. castings, mountings : (n,) what it was;
-    a mounting is one of its casting. NaN without values."""
+    """Mean of means, with the variance of each step averaged with a stated one (Smyth 2004).
+
+    values, errors : (n,) of presses, with the standard error within each.
+    castings, mountings : (n,) what it was; a mounting is one of its casting. NaN without values.
+    """
     spread = spread or Spread()
     if not values.size:
         nothing = np.full(3, np.nan)

@@ -118,14 +118,14 @@ class Chain:
         return (*self.band.notes, *self.envelope.notes, *force)
 
     def envelopes(self, record: EmgRecord, pressing: Instants, resting: Instants) -> tuple[Floats, Floats]:
-        """Envelopes (m, N) in volts, computed at the instants of either only."""
+        """Envelopes (m, N) in volts (paper IV.B), computed at the instants of either only."""
         first, counts = np.append(pressing.first, resting.first), np.append(pressing.counts, resting.counts)
         both = envelopes_at(record.samples, first, counts, self.step, self.band, self.envelope)
         n_pressing = pressing.offsets[-1]
         return both[:, :n_pressing].copy(), both[:, n_pressing:]
 
     def whole(self, record: EmgRecord) -> Floats:
-        """Envelopes (m, N) in volts of the whole record."""
+        """Envelopes (m, N) in volts (paper IV.B) of the whole record."""
         counts = np.array([(record.samples[0].size - 1) // self.step + 1])
         return envelopes_at(record.samples, np.zeros(1, np.int64), counts, self.step, self.band, self.envelope)
 

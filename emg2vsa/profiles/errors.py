@@ -48,6 +48,7 @@ class MeanErrors:
         """Half of the interval (d,) of d sums of ``weights`` (d, S, 2) times mean a and b of the specimens.
 
         NaN where a specimen that has a weight was pressed once, or by one person.
+        Student's t with the degrees of freedom of Welch (1947) and Satterthwaite (1946).
         """
         most = np.iinfo(np.int64).max
         least = np.min(np.where(np.any(weights != 0, axis=2), self.count, most), axis=1, initial=most)

@@ -38,7 +38,10 @@ def joined(parts: Sequence[Activities]) -> Activities:
 def share_interval(
     of: Sequence[Activities], lowest: Sequence[Activities], highest: Sequence[Activities], errors: MeanErrors
 ) -> Floats:
-    """Low and high (2, K) share, 0 to 1, of activities any of which it could be, in a range with any of these ends."""
+    """Low and high (2, K) share, 0 to 1, of activities any of which it could be, in a range with any of these ends.
+
+    The mapping is equation (7) of the paper.
+    """
     found = np.array([*_of_all(of, lowest, highest, errors)])
     return np.asarray(np.clip([found[:, 0].min(axis=0), found[:, 1].max(axis=0)], 0.0, 1.0))
 

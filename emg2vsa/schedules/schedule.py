@@ -55,7 +55,8 @@ class Limits:
         return export_of(self.actuator, "limits.actuator")
 
     def preset_percent(self, percent_on_scale: Floats) -> Floats:
-        """Percent of the maximum on ``scale`` (any shape) to percent of the maximum preset."""
+        """Percent of the maximum on ``scale`` (any shape) to percent of the maximum preset. A preset is that of
+        equation (8)."""
         if self.scale == "preset":
             return percent_on_scale
         return self.joint.percent_for(percent_on_scale / 100 * self.joint.stiffness_nm_per_rad(1.0))
@@ -92,7 +93,7 @@ class Schedule:
 
     @property
     def exported(self) -> np.ndarray[tuple[int], np.dtype[np.generic]]:
-        """(K,) presets in the unit of the schedule's files (qbmove: whole ticks)."""
+        """(K,) presets in the unit of the schedule's files (qbmove: whole ticks). A preset is that of equation (8)."""
         export, full = self.limits.export, self.limits.full_preset
         return np.array([export.exported(share * full) for share in self.preset.tolist()])
 

@@ -57,7 +57,8 @@ class LineFitter(NamedTuple):
     stamped: bool
 
     def through(self, x: Floats, y: Floats, *, amid: bool) -> ClockLine:
-        """The line below all places (x ascending) and arrivals, or amid them."""
+        """The line below all places (x ascending) and arrivals (Moon, Skelly and Towsley 1999), or amid them (Theil
+        1950, Sen 1968)."""
         nominal = 1 / self.fs_hz
         z = y - nominal * x
         slope = _slope_amid(x, z) if amid else _slope_below(x, z)

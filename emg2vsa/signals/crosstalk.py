@@ -26,6 +26,7 @@ def without_crosstalk(
 
     shares : muscle to the others that its electrode sees, each with its share of its own amplitude. SettingError for a
     muscle that is not recorded, and for shares by which muscles cannot be told apart.
+    That the share must be stated: Farina et al. and Lowery et al. (2003).
     """
     unknown = [name for into, of in shares.items() for name in (into, *of) if name not in muscles or into in of]
     if unknown:

@@ -105,6 +105,7 @@ def envelopes_at(
     kernel's reach of an end of the record, the taps that remain are rescaled to unit sum, but never more than doubled:
     a causal envelope rises from zero at the start of its record. Windows of more than ``LONG`` samples in all are
     filtered some at a time.
+    Band-pass, rectification and low-pass are those of paper IV.B.
     """
     if not np.any(counts):
         return np.empty((len(channels), 0))

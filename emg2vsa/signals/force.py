@@ -54,7 +54,10 @@ def condition_force(
     samples: Floats, fs_hz: float, low: IirFilter | None, channel: ForceChannelSettings, window: WindowSettings
 ) -> ForceRecord:
     """Filter the whole record (n,) of raw force, tare it on its rests, and find the presses. SignalError where force
-    jumps as no transducer's does."""
+    jumps as no transducer's does.
+
+    Filter and window are those of paper IV.B.
+    """
     refuse_jumps(samples, channel.name, window.force_n[1])
     filtered = samples if low is None else filter_record(samples, low)
     rest = find_rest(filtered, fs_hz, window)

@@ -136,6 +136,7 @@ def estimate_lag(
     two have half their difference. moved : spans (k, 2) of samples of each channel in which it moves (``movement``).
     unheard_s : (k, 2) from when to when nothing has a say: gaps, and presses that are rejected.
     UNKNOWN without a press, and where force explains too little of the activity.
+    The standard error is the jackknife's (Tukey 1958).
     """
     step = max(1, round(STEP_S * emg.fs_hz))
     activity = _activity(channels, step, emg.fs_hz, moved)

@@ -12,8 +12,11 @@ FADE, FADE_T, FADE_PRESSES = 0.3, 4.0, 5
 
 
 def level_trends(envelopes_v: Floats, offsets: Ints) -> tuple[Floats, Floats]:
-    """Change (m,) of each muscle's ln level from the first press to the last, and its standard error; 0 where it is
-    not clear. envelopes_v : (m, N) of the presses that ``offsets`` (p + 1,) cut."""
+    """Change (m,) of each muscle's ln level from the first press to the last, and its standard error; 0 where it is not
+    clear (slope by Theil 1950 and Sen 1968).
+
+    envelopes_v : (m, N) of the presses that ``offsets`` (p + 1,) cut, V.
+    """
     levels = means(envelopes_v, offsets)
     levels = np.log(np.maximum(levels[:, np.diff(offsets) > 0], 1e-12))
     n = levels.shape[1]

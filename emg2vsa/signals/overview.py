@@ -39,7 +39,8 @@ class EmgOverview:
 
 
 def emg_overview(samples: Sequence[Floats], fs_hz: float, start_s: float, presses: Ints, rests: Ints) -> EmgOverview:
-    """Of raw samples (n,) of each muscle; presses, rests : (p, 2), (r, 2) first and last-plus-one samples."""
+    """Of raw samples (n,) of each muscle, V; presses, rests : (p, 2), (r, 2) first and last-plus-one samples. Spectra
+    by Welch (1967)."""
     size = max(1, -(-samples[0].size // COLUMNS))
     low_v, high_v, mean_v = np.moveaxis(np.array([_columns(x, size) for x in samples]), 1, 0)
     length = max(8, round(SEGMENT_S * fs_hz))

@@ -16,7 +16,8 @@ from emg2vsa.statistics.post_hoc import pair_numbers
 
 
 def midranks(values: ArrayLike) -> Floats:
-    """Ranks 1, 2, ... along the last axis of ``values`` (..., n); ties share a mean rank, NaN stays NaN, uncounted."""
+    """Ranks 1, 2, ... along the last axis of ``values`` (..., n); ties share a mean rank, NaN stays NaN, uncounted. As
+    Kruskal and Wallis (1952) rank."""
     rows = np.asarray(unmasked(values), dtype=np.float64)
     if rows.shape[-1] == 0:
         return rows.copy()

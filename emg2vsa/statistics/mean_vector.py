@@ -48,7 +48,10 @@ class MeanVector:
 
 
 def mean_vector(vectors: Floats, groups: Ints) -> MeanVector:
-    """Of ``vectors`` (n, d), finite; groups (n,) : number of the group of each, 0 to G - 1, none of them empty."""
+    """Of ``vectors`` (n, d), finite; groups (n,) : number of the group of each, 0 to G - 1, none of them empty.
+
+    The test is Hotelling's T squared (1931).
+    """
     n, d = vectors.shape
     count = np.bincount(groups)
     means = np.stack([np.bincount(groups, column) / count for column in vectors.T], axis=1)

@@ -129,7 +129,8 @@ def mixed_variances(fit: RemlFit, confidence: float = 0.95) -> MixedVariances:
 
 
 def ratio_interval(cells: Cells, ratios: Floats, confidence: float) -> tuple[float, float]:
-    """Interval of the SD of participants to that of repetitions, where the likelihood is largest at ``ratios`` (2,)."""
+    """Interval of the SD of participants to that of repetitions, where the likelihood is largest at ``ratios`` (2,): by
+    the profile of the restricted likelihood (Patterson and Thompson 1971)."""
     low, high = np.sqrt(_ends(by_ratios(cells), ratios, 0, confidence))
     return float(low), float(high)
 

@@ -60,7 +60,7 @@ def ks_normal(values: ArrayLike, *, standardise: bool) -> Outcomes:
 
 
 def largest_gap(values: ArrayLike, *, standardise: bool) -> tuple[Floats, Ints]:
-    """D (k,) of ``ks_normal`` alone, and the values (k,) that entered."""
+    """D (k,) of ``ks_normal`` alone, and the values (k,) that entered. The statistic of Kolmogorov (1933)."""
     rows = row_moments(values)
     valid, n = rows.valid[:, 0], rows.count[:, 0]
     if standardise:

@@ -87,7 +87,7 @@ def check_two_groups(k: int) -> None:
 def student_pairs(
     method: str, difference: Floats, se: Floats, df: Floats, n: Ints, k: int, confidence: float
 ) -> PairDifferences:
-    """All pairs of k groups by Student's t; difference, its standard error se, df and n : (d, q)."""
+    """All pairs of k groups by Student's t (1908); difference, its standard error se, df and n : (d, q)."""
     first, second = pair_numbers(k)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = difference / se

@@ -50,9 +50,9 @@ def power_rm(
 ) -> Floats:
     """Power P[F'(df1, df2, lambda) > F(1 - alpha)] of n people measured m times each; all arguments broadcast.
 
-    df1 = (m - 1) epsilon, df2 = (n - 1)(m - 1) epsilon. f : Cohen's effect size. rho : correlation between
-    measurements. epsilon : sphericity, 1 / (m - 1) to 1. alpha : level of the test.
-    gpower : lambda = f^2 n m epsilon / (1 - rho), G*Power's default ("as in G*Power 3.0").
+    df1 = (m - 1) epsilon, df2 = (n - 1)(m - 1) epsilon. f : Cohen's effect size (1988). rho : correlation between
+        measurements. epsilon : sphericity, 1 / (m - 1) to 1. alpha : level of the test.
+    gpower : lambda = f^2 n m epsilon / (1 - rho), G*Power's default ("as in G*Power 3.0"; Faul et al. 2007).
     spss : f is already the partial one, lambda = f^2 (n - 1)(m - 1) epsilon; rho does not enter.
     SettingError outside n, m >= 2, f >= 0, 0 <= rho < 1, 1 / (m - 1) <= epsilon <= 1, 0 < alpha < 1.
     """

@@ -193,7 +193,7 @@ def by_variances(cells: Cells) -> Cost:
 
 
 def best_ratios(cells: Cells) -> Floats:
-    """Ratios (2,), neither below 0, at which the restricted likelihood is largest."""
+    """Ratios (2,), neither below 0, at which the restricted likelihood (Patterson and Thompson 1971) is largest."""
     cost = by_ratios(cells)
     start = min(((t1, t2) for t1 in _GRID for t2 in _GRID), key=lambda ratios: float(cost(np.array(ratios))[0]))
     return lowest(cost, np.array(start), np.array([True, True]), search=True)

@@ -54,7 +54,10 @@ class SerialCorrelation:
 
 def serial_correlation(scores: Floats, most: float = 1.0) -> SerialCorrelation:
     """Of presses (d, S, R) in the order they were made, NaN where there is none; its neighbours then count as
-    successive. Specimens weigh by their presses, and those with fewer than four do not count. most : of ``rho``."""
+    successive. Specimens weigh by their presses, and those with fewer than four do not count. most : of ``rho``.
+
+    The test is that of Durbin and Watson (1950) and Moran (1948); the expected r that of Sawa (1978).
+    """
     there = np.isfinite(finite_or_nan(scores))
     n = np.count_nonzero(there, axis=-1)
     order = np.argsort(~there, axis=-1, kind="stable")
@@ -89,7 +92,8 @@ def independent(groups: Floats) -> SerialCorrelation:
 
 
 def serial_of_mountings(groups: Floats) -> SerialCorrelation:
-    """The same of presses (d, S, M, R) by mounting: successive ones are those of one mounting. effective_n : (d, S)."""
+    """The same of presses (d, S, M, R) by mounting: successive ones are those of one mounting. effective_n : (d, S).
+    Sources as there (Sawa 1978)."""
     d, s, m, r = groups.shape
     found = serial_correlation(groups.reshape(d, s * m, r))
     return dataclasses.replace(found, effective_n=found.effective_n.reshape(d, s, m).sum(axis=-1))

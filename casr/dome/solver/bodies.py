@@ -132,7 +132,10 @@ class Bodies:
 
     def resistance(self, moved: Array) -> tuple[Array, Array]:
         """Forces on the nodes (2 N,) that hold the displacements, and the values of their slopes at ``rows`` and
-        ``columns``. Inverted : an element is inside out."""
+        ``columns``. Inverted : an element is inside out.
+
+        Nearly incompressible elements do not lock, after Malkus and Hughes (1978).
+        """
         forces, values = np.zeros(self.size), []
         for (dofs, _), (_, force, slope) in zip(self._groups, self._parts(moved), strict=True):
             forces += np.bincount(dofs.ravel(), force.ravel(), self.size)

@@ -87,7 +87,8 @@ class SpringJoint:
         return (at.motors_deg[0] - at.motors_deg[1]) / 2 / self.full_preset
 
     def stiffness_nm_per_rad(self, preset: ArrayLike) -> Floats:
-        """At zero load, N m/rad, of presets of any shape; their sign does not matter."""
+        """At zero load, N m/rad, of presets of any shape (springs: manual and data sheet of the qbmove); their sign
+        does not matter."""
         preset_rad = np.abs(self.preset_rad(preset))
         return stiffness_at(unloaded_deflection_rad(preset_rad, self.springs), preset_rad, self.springs)
 
@@ -131,6 +132,7 @@ def unloaded_deflection_rad(preset_rad: Floats, springs: Springs) -> Floats:
     """Shaft position relative to x_e where the two springs balance, in rad, for presets >= 0.
 
     With a1 = a2 the balance is tanh(a d) = (k1 - k2)/(k1 + k2) tanh(a s); a few Newton steps on tau settle the rest.
+    Springs: manual and data sheet of the qbmove.
     """
     k1, a1, k2, a2 = springs.k1_nm, springs.a1_per_rad, springs.k2_nm, springs.a2_per_rad
     mean_a = (a1 + a2) / 2
@@ -142,7 +144,8 @@ def unloaded_deflection_rad(preset_rad: Floats, springs: Springs) -> Floats:
 
 
 def stiffness_at(deflection_rad: Floats, preset_rad: Floats, springs: Springs) -> Floats:
-    """sigma, N m/rad, with the shaft ``deflection_rad`` away from x_e = (q1 + q2)/2."""
+    """sigma, N m/rad, with the shaft ``deflection_rad`` away from x_e = (q1 + q2)/2. Springs: manual and data sheet of
+    the qbmove."""
     return springs.a1_per_rad * springs.k1_nm * np.cosh(
         springs.a1_per_rad * (deflection_rad - preset_rad)
     ) + springs.a2_per_rad * springs.k2_nm * np.cosh(springs.a2_per_rad * (deflection_rad + preset_rad))

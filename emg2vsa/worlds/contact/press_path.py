@@ -100,7 +100,8 @@ class PressPaths:
         return np.asarray(last - first)
 
     def rate_mm2_per_n(self, low_n: float = 0.5, high_n: float = 7.0) -> Floats:
-        """(P,) spread rate of the contact, mm2/N, between two forces, N, as scores have it."""
+        """(P,) spread rate of the contact, mm2/N, between two forces, N, as scores have it (in place of the paper's
+        equation 2)."""
         force_n = np.linspace(low_n, high_n, _GRID)
         return fit_power_laws(self.at_forces(self.area_mm2, force_n).T, force_n).mean_rates(low_n, high_n)
 

@@ -124,8 +124,8 @@ class ConvolvedForce:
         self._states = [self.force_n] * len(self._branches)
 
     def alpha_beta(self, step_s: float) -> tuple[Floats, Floats]:
-        """F_c = alpha + beta F, (P,) both, ``step_s``, s, from now, where F grows evenly from the present force to
-        F."""
+        """F_c = alpha + beta F, (P,) both, ``step_s``, s, from now, where F grows evenly from the present force to F
+        (Lee and Radok 1960)."""
         self._weigh(step_s)
         alpha, beta = np.zeros(self.force_n.size), self._instant
         for z, (left, from_old, from_new) in zip(self._states, self._weights, strict=True):
@@ -134,7 +134,7 @@ class ConvolvedForce:
         return alpha, beta
 
     def advance(self, step_s: float, force_n: Floats) -> Floats:
-        """Go on to ``force_n`` (P,), N, ``step_s``, s, from now; F_c (P,) there."""
+        """Go on to ``force_n`` (P,), N, ``step_s``, s, from now; F_c (P,) there (Lee and Radok 1960)."""
         self._weigh(step_s)
         total = self._instant * force_n
         for k, (left, from_old, from_new) in enumerate(self._weights):

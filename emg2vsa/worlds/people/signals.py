@@ -32,7 +32,7 @@ EMG_PAGE, FORCE_PAGE = 1 << 14, 1 << 16
 
 def muscle_spectrum(frequency_hz: FloatArray) -> FloatArray:
     """Power (n,) of surface EMG behind its amplifier, arbitrary unit, at frequencies (n,), Hz: f_h^4 f^2 / ((f^2 +
-    f_l^2) (f^2 + f_h^2)^2)."""
+    f_l^2) (f^2 + f_h^2)^2) (Shwedyk, Balasubramanian and Scott 1977; Stegeman and Hermens 1998)."""
     f2 = np.square(frequency_hz)
     muscle = MUSCLE_HIGH_HZ**4 * f2 / ((f2 + MUSCLE_LOW_HZ**2) * np.square(f2 + MUSCLE_HIGH_HZ**2))
     low, high = AMPLIFIER_BAND_HZ
