@@ -39,6 +39,7 @@ def analytic_front(rest_px: Array, pins_px: Array, camera: Camera | None) -> Con
 
     rest_px : (N, 2) pins at rest. pins_px : (T, N, 2) the same pins in contact; NaN where one is lost.
     camera : None leaves areas in px^2.
+    The field is that of decision 7.
     """
     n_frames = len(pins_px)
     fitted = np.unique(np.linspace(0, n_frames - 1, _FITTED_FRAMES).round().astype(np.intp))
@@ -109,6 +110,7 @@ def contact_front(
     camera : None leaves areas in px^2, and the size of the dome unknown.
     held : of the library, for these frames; None finds it.
     PinsError : fewer than seven pins in some frame, or fewer than two frames. CameraError : pins longer than can be.
+    Why the front, and how: decision 22.
     """
     rest_px, pins_px = np.asarray(rest_px, dtype=np.float64), np.asarray(pins_px, dtype=np.float64)
     fewest = int(np.isfinite(pins_px[..., 0]).sum(axis=1).min(initial=len(rest_px)))

@@ -160,6 +160,7 @@ def library_front(rest_px: Array, pins_px: Array, camera: Camera | None, library
 
     rest_px : (N, 2) pins at rest. pins_px : (T, N, 2) the same pins in contact; NaN where one is lost.
     camera : None leaves areas in px^2, and the size of the dome unknown.
+    Tables and errors: decisions 22 and 51.
     """
     fits = found_fits(rest_px, pins_px, camera, library)
     return HeldFront(rest_px, pins_px, camera, library, fits).front

@@ -148,6 +148,7 @@ def fit_field(
     flow : (H, W, 2) px; only the region's box is read. region : in pixels of the flow.
     detail : (H, W) weight of each pixel in the fit, of any unit; None for all alike.
     SettingError : the region lies outside the flow, or holds too few pixels for a fit.
+    Why an affine fit: decision 10.
     """
     x0, y0, x1, y1 = region.box(flow.shape)
     left_top = np.array([x0, y0])

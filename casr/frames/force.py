@@ -152,6 +152,7 @@ def force_at_exposure(frame_time_s: _Array, time_s: _Array, force_n: _Array) -> 
     is within a period, and where a frame's time is NaN.
 
     frame_time_s : (T,) rising, s. time_s, force_n : (n,) readings in the order of time, s and N, all finite.
+    Why the exposure: decision 17.
     """
     known = np.flatnonzero(np.isfinite(frame_time_s))
     found = np.full(frame_time_s.shape, np.nan)

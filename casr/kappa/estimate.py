@@ -61,6 +61,7 @@ def estimate_kappa(
 
     CameraError : lengths that cannot be. SettingError : no press, no tables, or two stiffnesses of one specimen.
     PinsError, FramesError : of a press.
+    Method and limits: decision 54.
     """
     library = library or shipped()
     labels = fitted(presses, camera, families(library), stated_errors(camera))

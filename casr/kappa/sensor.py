@@ -107,6 +107,7 @@ def identify_sensor(
     camera : as it is thought to be. library : tables of domes (default: those of casr). own_domes : thickness of the
     skin, mm, and moduli of skin and gel, MPa, of domes that do not come with casr. Errors as ``estimate_kappa``;
     SettingError : no known specimen.
+    Method and limits: decision 55.
     """
     if presses and all(press.stiffness_n_per_mm is None for press in presses):
         raise SettingError(

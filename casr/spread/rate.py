@@ -137,6 +137,7 @@ def spread_rate(
     FramesError : lengths that do not fit, infinite values, a force that never changes enough, or for ``power`` areas
         below 0 or only some of them 0.
     SettingError : an unknown rule or a setting out of range.
+    Equation (2) of the paper and the others compared: decision 8.
     """
     if rule not in RATE_RULES:
         raise SettingError("rule", wanted=" or ".join(RATE_RULES), found=repr(rule), do="Choose one of these.")

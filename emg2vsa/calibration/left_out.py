@@ -51,7 +51,10 @@ class LeftOut:
 
 
 def left_out(calibration: Calibration) -> LeftOut:
-    """Leave out one specimen after the other; needs three specimens, else all is NaN."""
+    """Leave out one specimen after the other; needs three specimens, else all is NaN.
+
+    When intervals are widened: decision 25.
+    """
     d, s, _ = calibration.casr.shape
     if s < 3:
         nothing = np.full((d, s), np.nan)

@@ -126,6 +126,7 @@ def fit_range(
     F1 is what the press reaches where that is less, unless ``whole``: then it is unusable. A machine that counts depth
     and force of compression as negative is turned. SettingError : no range.
     The mean over curves has Akaike weights (Burnham and Anderson 2002, 4.3).
+    Why a secant over stated forces: decision 49.
     """
     from_n, to_n = range_n
     if not 0 < from_n < to_n < np.inf:

@@ -61,6 +61,7 @@ def nested_mean(
 
     values, errors : (n,) of presses, with the standard error within each.
     castings, mountings : (n,) what it was; a mounting is one of its casting. NaN without values.
+    Why over mountings and castings: decision 50.
     """
     spread = spread or Spread()
     if not values.size:

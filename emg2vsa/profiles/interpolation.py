@@ -56,8 +56,8 @@ def between(
 
 
 def softer_weight(k: float, stiffer: float, softer: float, method: str, where: str) -> float:
-    """alpha, the weight of the softer of two specimens (paper VI.B: kappa / 10 by method "paper"); all stiffnesses in
-    N/mm.
+    """alpha, the weight of the softer of two specimens (paper VI.B: kappa / 10 by method "paper"; decision 3); all
+    stiffnesses in N/mm.
 
     DataError : by that method, a kappa above 10 N/mm.
     """

@@ -50,7 +50,10 @@ def press_levels(envelopes_v: Floats, force_n: Floats, offsets: Ints) -> Floats:
 
 
 def subtract_floor(envelopes_v: Floats, levels_v: Floats, floor_v: Floats) -> Floats:
-    """Envelopes (m, N) less the floor (m,) in power, along the tangent at their ``press_levels``; never negative."""
+    """Envelopes (m, N) less the floor (m,) in power, along the tangent at their ``press_levels``; never negative.
+
+    Why in power: decision 23.
+    """
     left = np.sqrt(1 - _share(levels_v, floor_v))
     return np.asarray(np.maximum(levels_v * left + (envelopes_v - levels_v) / left, 0.0))
 

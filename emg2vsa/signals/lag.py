@@ -137,6 +137,7 @@ def estimate_lag(
     unheard_s : (k, 2) from when to when nothing has a say: gaps, and presses that are rejected.
     UNKNOWN without a press, and where force explains too little of the activity.
     The standard error is the jackknife's (Tukey 1958).
+    What is done about a lag: decision 24.
     """
     step = max(1, round(STEP_S * emg.fs_hz))
     activity = _activity(channels, step, emg.fs_hz, moved)

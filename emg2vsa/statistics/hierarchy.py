@@ -57,6 +57,7 @@ def recording_means(values: Floats, level: Floats, error: Floats, confidence: fl
     level : (c,) that the scatter is proportional to; a recording where it is not above 0 has no interval. error : (c,)
     standard error that the presses of a recording have in common. Half is NaN where no recording has two presses.
     Variances of recordings are drawn to each other after Smyth (2004).
+    Why a recording and not a press: decision 48.
     """
     level = np.where(level > 0, level, np.nan)
     mean = mean_of(finite_or_nan(values))

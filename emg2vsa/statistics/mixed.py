@@ -86,6 +86,7 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
 
     F is the mean square of specimens over that of participants by specimens, exact whatever the variances. Interval of
     the participants' variance: Graybill and Wang (1980), cut at 0.
+    Why in closed form: decision 12.
     """
     y, unit, origin = _checked(values)
     n_p, n_s, n_r = y.shape

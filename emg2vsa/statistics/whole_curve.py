@@ -110,6 +110,7 @@ def curve_tests(values: ArrayLike, alpha: float = 0.05, draws: int = DRAWS, seed
 
     Left out are specimens that fewer than half of the people have; then, until nothing lacks, the person or the force
     that lacks the largest share of the others.
+    Why rotations (Langsrud 2005): decision 44.
     """
     y = finite_or_nan(np.asarray(values, dtype=np.float64))
     if y.ndim != 3:

@@ -198,7 +198,7 @@ def test_options_that_make_no_sense_are_refused(
 
 
 def test_least_effect_and_margin() -> None:
-    """The margin of the statistics notes. statsmodels' sum of both tails is NaN from an effect of 5 SDs on."""
+    """Equality within 0.5 and 1 SD, two groups of ten. statsmodels' sum of both tails is NaN from 5 SDs on."""
     assert [round(power_tost(x, 10, 10), 3) for x in (0.5, 1.0)] == [0.001, 0.391]
     assert round(least_for_power(lambda x: power_tost(x, 10, 10), 0.8), 2) == 1.36
     for n, effect in ((2, 11.54989), (14, 0.8101467)):

@@ -56,7 +56,7 @@ def normal_n(touches: list[Touch]) -> Floats:
 
 
 def test_a_rigid_ramp_on_a_maxwell_body_is_dawsons_function() -> None:
-    # world.md, section 3: R 20 mm, E 0.3 and 0.1 MPa, tau 0.3 s, 5 mm/s: 6.108172512 N after 0.4 s
+    # R 20 mm, E 0.3 and 0.1 MPa, tau 0.3 s, 5 mm/s: 6.108172512 N after 0.4 s
     relaxation, after_1_s_mpa = maxwell(0.3, 0.1, 0.3)
     contact = ContactWorld(exponent=1 / 3, sensor_modulus_mpa=after_1_s_mpa)
     body = {"contact": contact, "stiffness_n_per_mm": 1e18, "relaxation": relaxation}
