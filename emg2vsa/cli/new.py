@@ -46,6 +46,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Draft a study file and its page. SettingError : no folder, or a file in the way."""
     from casr.atomic import write_text_atomic
     from emg2vsa.errors import SettingError
     from emg2vsa.pipeline.places import recordings_in

@@ -46,7 +46,7 @@ class WallClock:
         return time.perf_counter() - self._start_s
 
     def sleep_until(self, time_s: float) -> None:
-        """Return at ``time_s``, s, by some 0.1 ms or less."""
+        """Return at ``time_s``, s: asleep until shortly before, then waiting."""
         # sleeping is good to about 0.1 ms; the rest is spent waiting, so that a 200 Hz loop keeps its period
         while (left_s := time_s - self.now_s()) > 0:
             if left_s > _WAIT_S:

@@ -176,6 +176,7 @@ def differences_at(left: Floats, right: Floats, places: Ints) -> Floats:
     """Differences left minus right at ``places`` (p, d, q) of their ascending order, for pairs (d, q, n); NaN absent.
 
     A place outside the differences of a pair takes the nearest.
+    Their median is the shift of Hodges and Lehmann (1963).
     """
     d, q, n = left.shape
     if n * right.shape[2] <= _FEW:

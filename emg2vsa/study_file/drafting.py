@@ -62,7 +62,7 @@ class Found:
         )  # fmt: skip
 
     def rate_hz(self, channel: DraftChannel) -> float:
-        """As the files tell it; NaN where they do not."""
+        """Rate of a channel, Hz, as the files tell it; NaN where they do not."""
         facts = self.force if channel.is_force else self.emg
         return next((each.fs_hz for each in facts.channels if each.name == channel.name), math.nan)
 
@@ -81,7 +81,8 @@ def look(
 ) -> Found:  # fmt: skip
     """Open the recordings ``paths`` of ``folder``, for a study file in ``beside``.
 
-    pressed : names of specimens that are known. SettingError: none of the files can be read.
+    fs_hz : rate of channels whose file states none, Hz. pressed : names of specimens that are known.
+    SettingError: none of the files can be read.
     """
     usable, unread = _usable(paths, reading)
     if not usable:

@@ -33,7 +33,7 @@ class GainJoint:
     settles_s: float = 0.3
 
     def targets_deg(self, position_deg: float, preset: float) -> tuple[float, ...]:
-        """None of any (degrees): the motor gives way itself, and does not stand at its command under load."""
+        """No angle (degrees) of any motor: the motor gives way itself, and does not stand at its command under load."""
         return ()
 
     def torque_nm(self, at: Measurements, position_deg: float, preset: float) -> float:
