@@ -33,7 +33,8 @@ class DamagedResult(DataError):
 
 
 def save(path: Path, product: Any) -> None:
-    """Write a dataclass instance, or a tuple of them, to ``path``."""
+    """Write a dataclass instance, or a tuple of them, to ``path``. TypeError : a value of a kind that cannot be
+    stored."""
     arrays: list[np.ndarray] = []
     tree = _encode(product, arrays)
     shapes = [[array.dtype.str, array.shape] for array in arrays]

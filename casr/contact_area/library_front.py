@@ -119,6 +119,7 @@ def found_fits(
     rest_px, pins_px : (N, 2) and (T, N, 2), px. camera : of ``library_front``.
     near : earlier fits of the same press, from whose centres new ones and their worlds are found.
     looks : of ``fit_front``.
+    CameraError : as ``library_front``.
     """
     flat_rest, flat_pins = undistorted(rest_px, camera), undistorted(pins_px, camera)
     views, free = _views(flat_rest, camera)[0], camera is not None

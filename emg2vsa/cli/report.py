@@ -59,6 +59,7 @@ def add_to(commands: Commands) -> None:
 
 
 def report(arguments: argparse.Namespace) -> int:
+    """Update the report of a study, or make its package. SettingError : options of a package that cannot be."""
     from emg2vsa.cli.progress import progress
     from emg2vsa.deposit.crate import UNLICENSED, UNPUBLISHED, Publication
     from emg2vsa.deposit.package import write_package

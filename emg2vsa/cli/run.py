@@ -72,6 +72,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Bring a study up to date. SettingError : stages that the study has not, or options that do not go together."""
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline import run_words
     from emg2vsa.pipeline.profile import Profile

@@ -38,6 +38,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Test a table or a study. SettingError : a level, a margin or columns that cannot be."""
     from emg2vsa.companions.tidy import BROKEN, tidy_tests
     from emg2vsa.readers.tidy_table import read_tidy_table
     from emg2vsa.report.tidy_text import as_json, lines

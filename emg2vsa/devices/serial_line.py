@@ -85,6 +85,7 @@ class SerialLine:
         return self._guard(take)
 
     def drop_input(self) -> None:
+        """Forget what has come. DeviceError : the port is gone."""
         # not reset_input_buffer: on a port that is gone it raises termios.error, known to no other system
         self._guard(lambda: self._port.read(self._port.in_waiting) if self._port.in_waiting else b"")
 

@@ -54,6 +54,7 @@ class C3dRecording:
         )
 
     def load(self, indices: Sequence[int]) -> list[StoredChannel]:
+        """Samples of these channels. RecordingError : force plates of a type that cannot be read."""
         n_analogs = self.analogs.shape[0]
         plates = self._plate_forces_n() if any(i >= n_analogs for i in indices) else []
         channels = []

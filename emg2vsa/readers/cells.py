@@ -40,7 +40,8 @@ class Body:
     def columns(self, names: Mapping[int, str]) -> dict[int, NDArray[np.float64]]:
         """Decode the columns (index to the name used in messages), blank cells as NaN.
 
-        Rows align with lines of the file. A column beyond the last cell of every row is empty.
+        Rows align with lines of the file. A column beyond the last cell of every row is empty. RecordingError : rows of
+        too many cells, or a cell that is no number.
         """
         self._refuse_long_rows()
         wanted = sorted(column for column in names if column < self.n_fields)

@@ -54,13 +54,14 @@ def band_pass(filters: FilterSettings, fs_hz: float) -> IirFilter:
     """The EMG band-pass of ``filters`` at ``fs_hz``.
 
     An upper edge at or above fs/2 cannot be built (paper: 500 Hz at 1000 Hz). It is dropped: what remains is a
-    high-pass at the lower edge of the same order, and a note says so.
+    high-pass at the lower edge of the same order, and a note says so. SettingError : edges that cannot be.
     """
     return replace(_band_pass(filters.band_hz, filters.band_order, filters.phase, fs_hz), engine=filters.engine)
 
 
 def force_low_pass(filters: FilterSettings, fs_hz: float) -> IirFilter | None:
-    """The force low-pass of ``filters`` at ``fs_hz``, Hz; None where the study takes force as it is."""
+    """The force low-pass of ``filters`` at ``fs_hz``, Hz; None where the study takes force as it is. SettingError : a
+    cut-off from half the rate on."""
     if not filters.force_filter:
         return None
     return _low_pass(filters.force_cutoff_hz, filters.force_order, filters.phase, fs_hz)

@@ -80,7 +80,8 @@ def tost(values: ArrayLike, margin: float, unit: MarginUnit = "data", alpha: flo
 
 
 def tost_in_parts(values: ArrayLike, margin: float, unit: MarginUnit, alpha: float) -> Iterator[Equivalence]:
-    """``tost``, the pairs of each first group at a time: of many groups all would fill memory."""
+    """``tost``, the pairs of each first group at a time: of many groups all would fill memory. SettingError as
+    there."""
     groups = group_moments(values)
     k = groups.count.shape[1]
     check_two_groups(k)

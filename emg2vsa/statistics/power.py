@@ -98,7 +98,8 @@ def n_for_power(
 
 
 def fewest_people(power_of: Callable[[int], Any], target: float) -> int:
-    """Fewest people, two or more, for whom ``power_of`` reaches ``target``, or 0 where a million do not."""
+    """Fewest people, two or more, for whom ``power_of`` reaches ``target``, or 0 where a million do not. SettingError :
+    a target that is no power."""
     _check_target(target)
 
     def enough(n: int) -> bool:
@@ -192,7 +193,8 @@ def _chi_density(s: Floats, df: float) -> Floats:
 
 
 def least_for_power(power_of: Callable[[float], float], target: float) -> float:
-    """Smallest argument, 0 or more, at which ``power_of``, which rises in it, reaches ``target``."""
+    """Smallest argument, 0 or more, at which ``power_of``, which rises in it, reaches ``target``. SettingError : a
+    target that is no power."""
     _check_target(target)
     if power_of(0.0) >= target:
         return 0.0

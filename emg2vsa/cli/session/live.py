@@ -70,6 +70,7 @@ def add_to(commands: Commands) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
+    """Run a session. SettingError : options of a virtual one without it."""
     from emg2vsa import session
     from emg2vsa.cli.progress import progress
     from emg2vsa.pipeline.registered import session_deviations

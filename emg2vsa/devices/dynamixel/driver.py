@@ -105,7 +105,8 @@ class Dynamixel(Board):
         return Usable(info.limits_deg(), self.joint.full_preset)
 
     def about(self) -> Iterator[str]:
-        """Facts, state, whether a run may use it and why not, and parameters: lines for people."""
+        """Facts, state, whether a run may use it and why not, and parameters: lines for people. DeviceError : it is
+        silent."""
         info = self.identify()
         yield f"{model_named(info.model_number)}, firmware {info.firmware}, id {info.device_id}"
         yield f"operating mode {info.operating_mode}, drive mode {info.drive_mode}, protocol {info.protocol}"
@@ -175,7 +176,7 @@ class Dynamixel(Board):
         return self.ask_active()
 
     def ask_active(self) -> bool:
-        """As `is_active`: nothing is sent that would bring a stopped motor back."""
+        """As `is_active`: nothing is sent that would bring a stopped motor back. DeviceError : it is silent."""
         torque = self._good(self._read(registers.TORQUE), registers.TORQUE)
         watchdog = self._get(registers.WATCHDOG)
         return torque.data[0] == ON and not torque.alert and watchdog != registers.WATCHDOG_EXPIRED
@@ -200,7 +201,7 @@ class Dynamixel(Board):
             raise self._silence(item)
 
     def creep(self, motors_deg: Sequence[float]) -> None:
-        """Send the motor there, degrees, slowly, until the next activation."""
+        """Send the motor there, degrees, slowly, until the next activation. DeviceError : beyond the limits."""
         self._set(registers.PROFILE_VELOCITY, _CREEP)
         self._set(registers.GOAL_POSITION, self._goal(motors_deg[0]))
 
@@ -225,7 +226,8 @@ class Dynamixel(Board):
         return (current * CURRENT_UNIT_A,)
 
     def current_limit_a(self) -> float:
-        """The goal current, A, which the motor does not exceed, as it was read back at the activation."""
+        """The goal current, A, which the motor does not exceed, as it was read back at the activation. DeviceError : it
+        is not active."""
         self._ready()
         return self._limit_a
 

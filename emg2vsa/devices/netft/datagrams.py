@@ -57,6 +57,7 @@ class UdpLine:
         "When nothing waited here; all that is received since then has come since then."
 
     def send(self, data: bytes) -> None:
+        """Send one datagram. DeviceError : the line is gone."""
         self._guard(lambda: self._socket.send(data))
 
     def receive(self) -> Datagram | None:

@@ -111,6 +111,7 @@ class NetFt:
         self._line.send(request_bytes(Command.STOP))
 
     def read(self) -> ForceSample:
+        """The newest sample. DeviceError : not started, or it is too old, or it stands still."""
         self._arrived()
         return self._sample(*self._fresh())
 

@@ -64,6 +64,7 @@ class DaqFt:
             raise self._silent(FIRST_S)
 
     def read(self) -> ForceSample:
+        """The newest sample. DeviceError : not started, or it is too old."""
         self._arrived()
         return self._sample(*self._fresh(), self._records)
 

@@ -189,7 +189,8 @@ class Qbmove(Board):
         return self.ask_active()
 
     def ask_active(self) -> bool:
-        """Both motors on, by what the device says? Nothing else is sent; the question still feeds a watchdog."""
+        """Both motors on, by what the device says? Nothing else is sent; the question still feeds a watchdog.
+        DeviceError : no answer."""
         return self._ask(Command.GET_ACTIVATE, 1)[0] == ON
 
     def move_motors(self, motors_deg: Sequence[float]) -> None:
@@ -245,11 +246,12 @@ class Qbmove(Board):
 
     def current_limit_a(self) -> float:
         """Largest current of a motor, A, as the device told at its activation; its firmware keeps it only in the
-        current modes, which no run uses."""
+        current modes, which no run uses. DeviceError : it was not activated."""
         return self._ready_limits().info.current_limit_ma / 1000
 
     def parameters(self) -> dict[int, Parameter]:
-        """All parameters by number. Generation 6 shows what is stored, not what has been set since."""
+        """All parameters by number. Generation 6 shows what is stored, not what has been set since. DeviceError : no
+        answer."""
         reply = packets.parameter_list(self.generation, self.device_id)
         return decode_parameters(self._ask(Command.GET_PARAM_LIST, reply, b"\0\0", _LONG_REPLY_S), self.where)
 

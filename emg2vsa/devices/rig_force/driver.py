@@ -63,6 +63,7 @@ class RigForce(SourceBase):
         self._before = self._so_far()
 
     def read(self) -> list[Block]:
+        """Samples that have come, along the direction. DeviceError : the sensor has reported faults for too long."""
         samples = self._taken()
         if not samples:
             return []

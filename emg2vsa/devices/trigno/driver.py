@@ -166,6 +166,8 @@ class TrignoSource(SourceBase):
         self._zeros = _Zeros(len(self._places))
 
     def start(self) -> None:
+        """Set the sensors up and wait for samples. DeviceError : another program has control, a sensor is not as asked,
+        or no samples come."""
         self.close()
         self._forget()
         settings = self._settings
@@ -183,6 +185,7 @@ class TrignoSource(SourceBase):
             raise
 
     def read(self) -> list[Block]:
+        """Samples that have come. DeviceError : not started, or the server has been silent too long."""
         data = self._received()
         now_s = self._clock.now_s()
         self._bytes += data

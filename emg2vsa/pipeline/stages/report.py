@@ -106,7 +106,8 @@ def run(given: Given, pages: str = "participants") -> list[Path]:
 
 
 def results_of(given: Given, pages: str = "") -> StudyResults:
-    """All products of the study; of stages that failed none. pages : as for ``run``."""
+    """All products of the study; of stages that failed none. pages : as for ``run``. DataError : the kept order of the
+    runs is damaged."""
     from emg2vsa.curves.rubber import Cylinder
     from emg2vsa.errors import Emg2vsaError
     from emg2vsa.fits import concatenate
