@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 
 UNKNOWN = "unknown"
-"Of a BLAS that is no OpenBLAS, or that does not come with NumPy."
+"Name of the kernel of a BLAS that is no OpenBLAS, or that does not come with NumPy."
 _NAMES = tuple(f"{before}openblas_get_corename{after}" for before in ("scipy_", "") for after in ("64_", ""))
 
 

@@ -131,7 +131,7 @@ class Camera:
 
 
 KEYS = tuple(field.name for field in fields(Camera) if field.name != "sensor")
-"Of the table ``[camera]``."
+"Keys of the table ``[camera]``."
 
 
 def _table(name: str, values: dict[str, Any]) -> str:

@@ -46,7 +46,7 @@ Names = Sequence[str] | Mapping[str, str]
 Commands = Any  # argparse gives its collection of sub-parsers no public type
 
 PAGE_COLUMNS = 100
-"Of the help; a terminal's own width must not change the page."
+"Width of the help; a terminal's own width must not change the page."
 PAGE_HEAD = """# The commands of {name}
 
 Written by `python -m {name}.cli.reference`; do not edit. The same text is in `{name} COMMAND --help`.

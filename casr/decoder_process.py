@@ -255,7 +255,7 @@ class _Decoder(Child):
 
 
 def _working_folder() -> str:
-    """To which paths are relative; "" where it was removed."""
+    """The folder that paths are relative to; "" where it was removed."""
     try:
         return os.getcwd()
     except OSError:

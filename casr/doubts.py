@@ -18,12 +18,12 @@ FEWEST_OTHERS = 3
 "Presses that one is compared with: the median of two is as wrong as either."
 FEWEST_FRAMES = 4
 LEAST_FORCE_RATIO = 1.5
-"Of the highest to the lowest common force; less, and hardly anything grows."
+"Least ratio of the highest to the lowest common force: below it hardly anything grows."
 UNSHARED_SD = 0.05
-"""Of the logarithm of the ratio from press to press of one sensor: specimens of 1.1 to 7.6 N/mm differ by 0.1 in
+"""SD of the logarithm of the ratio from press to press of one sensor: specimens of 1.1 to 7.6 N/mm differ by 0.1 in
 finite elements, presses of one kind by 0.02 to 0.06; the error of dome, pin length and depth is shared."""
 CHANCE = 0.05
-"That any press of a session is named although all are alike."
+"Chance that a press of a session is named although all presses are alike."
 _MAD, _MEDIAN = 1.4826, 1.2533
 "Standard deviation over the median of absolute deviations; standard error of a median over that of a mean."
 
@@ -97,7 +97,7 @@ def unlike_others(stretches: Mapping[str, Stretch]) -> dict[str, str]:
 
 
 def _pairs(stretches: list[Stretch]) -> list[list[tuple[float, float] | None]]:
-    """Of each press its ``_pair`` with every other one, in their order; with itself it has none."""
+    """For each press, its ``_pair`` with every other press, in their order."""
     pairs: list[list[tuple[float, float] | None]] = [[None] * len(stretches) for _ in stretches]
     for row, own in enumerate(stretches):
         for column, other in enumerate(stretches[:row]):

@@ -33,7 +33,7 @@ class FirstAreas:
 
     @property
     def first(self) -> InitialArea | None:
-        """By the first rule that finds a contact; None where none does."""
+        """Area by the first rule that finds a contact; None where no rule does."""
         return next((area for area in self.areas.values() if isinstance(area, InitialArea)), None)
 
     def to_dict(self) -> dict[str, Any]:

@@ -22,7 +22,7 @@ MOST_MISFIT = 0.15
 """Share of the motion left over beyond which the pins tell of some other thing than the contact of a dome."""
 FEWEST_FRAMES = 4
 SKIN_SD = 0.05
-"Of the logarithm of the growth of skin: by flow it is 2 to 20 % too small in finite elements."
+"SD of the logarithm of the growth of skin: by flow it is 2 to 20 % too small in finite elements."
 BEYOND_SD = 0.06
 """Relative standard error of a mean rate for each e-fold of force that the window reaches beyond the last frame:
 presses that end at 5, 4, 3, 2 and 1.3 N are 2, 4, 5, 8 and 11 % off on eight domes of finite elements (SD)."""
@@ -121,7 +121,7 @@ def front_spread(
 
 
 def _of_window(rate: SpreadRate, force_n: Array) -> dict[str, float]:
-    """What the window of a mean rate costs: how far it reaches beyond the frames, and how narrow it is."""
+    """Errors that the window of a mean rate adds: it reaches beyond the frames, or it is narrow."""
     if rate.law is None or rate.window_n is None:
         return {}
     low_n, high_n = rate.window_n

@@ -12,7 +12,7 @@ INK, MUTED, FAINT, GRID = "#1A1A1A", "#555555", "#A0A0A0", "#D9D9D9"
 BLUE, PURPLE, GREEN, SKY = "#00346C", "#885BBF", "#65A280", "#82B6CB"
 YELLOW, RED, GREY = "#CBAD09", "#872F09", "#645D62"
 GOOD, BAD = "#00694D", "#A84300"
-"Of words: a claim that holds or does not."
+"Colours of words: a claim that holds or does not."
 
 ON_PAGES = (
     ("ink", INK, "#E8E8E8"), ("muted", MUTED, "#A8A8A8"), ("line", GRID, "#4A4A4A"), ("page", "#FFFFFF", "#161616"),

@@ -33,7 +33,7 @@ Array = NDArray[np.float64]
 
 LOST = "See why pins are lost: are the frames one press, in order?"
 LEAST_MOVED_PX = 0.5
-"Of the pin that moved farthest at first contact: less is the camera's noise."
+"Least motion of the pin that moved farthest at first contact: less is the camera's noise."
 
 
 class PressScorer:
@@ -182,7 +182,7 @@ class PressScorer:
 
     @property
     def _rule(self) -> dict[str, Any]:
-        """Of ``spread_rate``."""
+        """Rule of ``spread_rate``."""
         s = self._settings
         return {"rule": s.rate_rule, "area_unit": self.area_unit, "window_n": s.window_n}
 
@@ -256,7 +256,7 @@ class PressScorer:
         }
 
     def _notes_on(self, phase: LoadingPhase, frames: NDArray[np.intp]) -> tuple[str, ...]:
-        """Of the press whatever the quantity; frames : the good ones of the phase."""
+        """Notes on the press that hold for each quantity; frames : the good ones of the phase."""
         skipped = sorted(set(phase.frames.tolist()) - set(frames.tolist()))
         of_steps = notes_by_frame(frames[1:].tolist(), self._steps[: len(frames) - 1])
         return (*([] if self._camera else [NO_SCALE]), *phase.notes, *_skipped(skipped), *self._notes, *of_steps)

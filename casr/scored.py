@@ -231,12 +231,12 @@ class Score:
 
     @property
     def chosen(self) -> Spread:
-        """By the quantity of the settings."""
+        """The spread by the quantity of the settings."""
         return self.by(self.settings.quantity)
 
     @property
     def other(self) -> Spread:
-        """By the quantity that was not asked for."""
+        """The spread by the quantity that was not asked for."""
         return self.by("front" if self.settings.quantity == "skin" else "skin")
 
     @property

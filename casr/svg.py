@@ -20,7 +20,7 @@ View = tuple[float, float, float, float]
 _LEFT, _RIGHT, _TOP, _UNDER, _LINE = 120, 28, 56, 88, 38
 "Room beside, above and under the axes, and of a line of the legend."
 _SIZE, _LETTER = 24, 13.2
-"Of letters, and their width on average."
+"Size of letters, and their mean width."
 _SHOWN = 0.5
 "Px per unit: whole units are fine enough for lines, and short."
 _FONT = "DejaVu Sans,Verdana,Arial,sans-serif"
@@ -104,7 +104,7 @@ class Axes:
         self._draw(f'd="{self._path(self._keep("band", at, ""))}Z" fill="{colour}" fill-opacity="{opacity}"')
 
     def shade(self, left: float, right: float, fill: str, title: str = "") -> None:
-        """Over the whole height, at least 4 units wide. fill : a colour, or a pattern of the page."""
+        """A stripe over the whole height, at least 4 units wide. fill : a colour, or a pattern of the page."""
         x0, x1 = (float(self._page(np.array([[x, 0.0]]))[0, 0]) for x in (left, right))
         self._draw(f'd="M{x0:.1f} {_TOP}H{max(x1, x0 + 4):.1f}v{self.height:g}H{x0:.1f}Z" fill="{fill}"', title)
 
@@ -145,7 +145,7 @@ class Axes:
         self._add_legend(label, drawn("M0 0H36l-10-6m10 6l-10 6"))
 
     def bars(self, x: Array, height: Array, colour: str, *, label: str = "") -> None:
-        """From 0 up or down, one unit of x apart."""
+        """Bars from 0 up or down, one unit of x apart."""
         kept = self._keep("bars", np.column_stack([x, height]), label)
         corners = np.array([(-0.45, 0), (-0.45, 1), (0.45, 1), (0.45, 0)])
         boxes = kept[:, None] * (1, 0) + corners * np.stack([np.ones(len(kept)), kept[:, 1]], axis=1)[:, None]
@@ -314,7 +314,7 @@ def ticks(low: float, high: float, most: int) -> list[float]:
 
 
 def thinned(x: Array, y: Array, most: int) -> tuple[Array, Array]:
-    """Of x, y (n,) at most ``most`` points that keep every peak: the lowest and the highest of equal stretches."""
+    """At most ``most`` points of x, y (n,) that keep every peak: the lowest and the highest of equal stretches."""
     if x.size <= most:
         return x, y
     edges = np.linspace(0, x.size, most // 2 + 1).astype(int)[:-1]

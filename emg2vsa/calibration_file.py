@@ -81,7 +81,7 @@ def _expect_use(path: Path, calibration: OnlineCalibration) -> None:
 
 
 def sha256_of(calibration: OnlineCalibration) -> str:
-    """As it stands in the file of the calibration."""
+    """Digest as the file of the calibration states it."""
     return _digest(_document_of(calibration))
 
 

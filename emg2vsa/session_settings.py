@@ -11,7 +11,7 @@ Text = Annotated[str, MinLen(1)]
 Port = Annotated[int, Ge(1), Le(65535)]
 
 PARTICIPANT_CODE = r"[A-Za-z]{0,4}[0-9]{1,6}"
-"""At most four letters and a number, which no name is."""
+"""Form of a code: at most four letters and a number. No person's name has this form."""
 
 MOST_FORCE_N = 50.0
 """No session presses harder."""

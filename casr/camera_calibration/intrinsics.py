@@ -60,9 +60,9 @@ Array = NDArray[np.float64]
 
 LEAST_VIEWS = 5
 LEAST_COVERED = 0.4
-"Of the image; outside of what boards covered, the distortion is a guess."
+"Least share of the image that boards must cover; outside of what boards covered, the distortion is a guess."
 MOST_RELATIVE_SE = 0.01
-"Of fx and fy: 1 % is 2 % of every area."
+"Largest relative standard error of fx and fy: 1 % is 2 % of every area."
 MOST_RMS_PX = 1.0
 STANDS_OUT = 3.0
 "Times the median of all pictures."

@@ -157,7 +157,7 @@ MORE: Mapping[str, dict[str, Any]] = {
     "camera_lag": {"type": number},
     "expect_pins": {"type": whole_number},
 }
-"What the tables do not say."
+"Choices and notes of options that the tables of settings do not hold."
 
 
 def add_shared(parser: Group, *tables: str) -> None:
@@ -180,18 +180,18 @@ def add_method(parser: argparse.ArgumentParser) -> Group:
 
 
 def asked_of(arguments: argparse.Namespace, *names: str) -> dict[str, Any]:
-    """What the options say of these settings, by their names."""
+    """Values of the options that the user gave for these settings, by name."""
     options = {name: OPTION_OF.get(name, name) for name in names}
     return {name: getattr(arguments, option) for name, option in options.items() if hasattr(arguments, option)}
 
 
 def of_fields(arguments: argparse.Namespace, settings: type) -> dict[str, Any]:
-    """What the options say of the fields of a settings dataclass."""
+    """Values of the options that the user gave for the fields of a settings dataclass, by name."""
     return asked_of(arguments, *(field.name for field in fields(settings)))
 
 
 def pin_settings(arguments: argparse.Namespace) -> PinSettings:
-    """What the options say of the pins."""
+    """Settings of the pins from the options."""
     from casr.pins import PinSettings
 
     return PinSettings(**of_fields(arguments, PinSettings))

@@ -34,7 +34,7 @@ def add_to(commands: Commands) -> None:
 
 
 USELESS = 0.2
-"Of the area: a table with a larger error tells nothing of a press."
+"Relative error of the area: a table with a larger error tells nothing of a press."
 
 
 def run(arguments: argparse.Namespace) -> int:

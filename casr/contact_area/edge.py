@@ -218,7 +218,7 @@ def fit_edge(motion: PinMotion, near: ContactEdge | None = None) -> ContactEdge:
 
 @lru_cache(maxsize=4)  # every algorithm that scores a press asks for the edge of its first contact
 def _fitted(rest_px: bytes, displacement_px: bytes, pitch_px: float, near: bytes | None) -> ContactEdge:
-    """Of the bytes of arrays."""
+    """Fits the edge to arrays given as bytes."""
     rest, displacement = (
         points[:, 0] + 1j * points[:, 1]
         for points in (np.frombuffer(each).reshape(-1, 2) for each in (rest_px, displacement_px))

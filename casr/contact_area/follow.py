@@ -137,7 +137,7 @@ class FrontSoFar:
         self._fits: list[HeldFit] | None = None
         self._found_in = 0
         self.front: ContactFront | None = None
-        "Of the last frames."
+        "Front of the last frames."
 
     def of(self, rest_px: Array, pins_px: Array) -> ContactFront:
         """The contact in the T frames so far: pins (N, 2) at rest and (T, N, 2), px. Errors of ``contact_front``."""

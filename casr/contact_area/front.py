@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 LEAST_PITCHES, LEAST_PINS = 1.5, 7
-"Of the radius and inside the edge, from which on an area is determined."
+"Smallest radius, in pitches, and fewest pins inside the edge for which an area is determined."
 PARTS = ("pins", "dome", "misfit", "pin length", "depth", "beyond the tables")
-"What the standard error of an area is made of."
+"Parts of the standard error of an area."
 
 
 @dataclass(frozen=True, eq=False)

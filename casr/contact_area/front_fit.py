@@ -24,7 +24,9 @@ Array32 = NDArray[np.float32]
 Mask = NDArray[np.bool_]
 
 PULL = 0.05
-"""Of the amplitude towards 1, as a share of the squared motion: the amplitude carries how flat the dome is pressed."""
+"""Weight that draws the amplitude towards 1, as a share of the squared motion: the amplitude carries how flat the dome
+is pressed.
+"""
 _CHOICE_FRAMES = 12
 _KEPT = (24, 12)
 "Worlds left after the first and the second look at the press."
@@ -34,8 +36,9 @@ _BLOCK = 2**16
 _CENTRE_ROUNDS = 5
 _SMALL_RAD, _CENTRE_REACH_RAD, _CENTRE_FOUND_RAD = 1e-3, 0.1, 1e-3
 POLE_SD_MM = 1.0
-"""Of the pole about where the view has it before a press is seen: half a millimetre beside it leaves over 1.5 % of the
-motion of a good press, which knows it to 0.05 mm."""
+"""Standard error of the pole before a press is seen, about where the view has it: half a millimetre beside it leaves
+over 1.5 % of the motion of a good press, which knows it to 0.05 mm.
+"""
 _POLE_MM_PER_RAD = 25.0
 "Steps of the pole in mm are those of the centre in rad times this."
 
@@ -95,7 +98,7 @@ class HeldFit:
 
     @property
     def fit(self) -> FrontFit:
-        """Of the frames so far."""
+        """Fit of the frames so far."""
         misfit = self._cost.sum(axis=1)
         order = np.argsort(misfit, kind="stable")
         scatter = np.sqrt(2 * misfit[:, None] / (2 * max(self._n_seen, 1)) / self._bend) / self.radius_mm

@@ -92,16 +92,16 @@ degrees go from 0.09 to 0.13 to 0.02 to 0.04. Where nothing pulls it has never a
 SD_PER_MISFIT = 4.0
 "Relative standard error of an area per misfit above that: 0.05 more came with areas 20 % off on a wrong dome."
 PIN_LENGTH_SD_MM, DEPTH_SHARE_SD = 0.1, 0.01
-"Of a length that is known to 0.2 mm, and of a depth, where the camera file states no errors."
+"Standard errors of pin length and (relative) of depth where the camera file states no errors."
 SAME_RADIUS = 0.005
 "Share by which the radius in a camera file may differ from that of the tables: it is written with four digits."
 BEYOND_COMPUTED = 1.25
 "Times the largest radius of a table: presses to 7 N reach 1.15 of it."
 USUAL_PIN_LENGTHS_MM = (1.5, 2.5, 3.5, 4.5)
 LONGEST_PIN = 0.5
-"Of the radius on which pins stand: longer ones would meet."
+"Longest pin, as a share of the radius on which pins stand: longer ones would meet."
 UNKNOWN_REACH_DEG = (40.0, 55.0, 70.0)
-"Of the outermost pins from the pole, where no camera says how large the dome is."
+"Angles of the outermost pins from the pole that are tried where no camera says how large the dome is."
 _UNKNOWN_DEPTH_MM = 50.0
 _KEPT = 24
 
@@ -256,7 +256,8 @@ class HeldFront:
 
 
 def _views(rest_px: Array, camera: Camera | None) -> tuple[list[DomeView], tuple[str, ...]]:
-    """What the sensor may be, and what is not known of it. Millimetres are those of a dome of 20 mm outer radius.
+    """Views of the sensor that are possible, with the errors of what is not known. Millimetres are those of a dome of
+    20 mm outer radius.
 
     The pole is the principal point, from which a press may find another one; without a camera the mean of the pins.
     """
@@ -311,7 +312,7 @@ def dome_scale(camera: Camera | None) -> float:
 
 
 def worlds_for(camera: Camera | None, domes: str | None, specimen_height_mm: float | None) -> Library:
-    """What the front of a press of this sensor is held against.
+    """Worlds that the front of a press of this sensor is compared with.
 
     domes : folder of a lab's own tables. specimen_height_mm : of the specimen, mm; None: tables of any height.
     Errors of ``casr.dome.library.worlds`` and ``height_in_tables``.

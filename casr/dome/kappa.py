@@ -12,7 +12,7 @@ import math
 PUNCH_MM = 10.0
 "Radius of the rigid flat punch without friction."
 _RIM = 1.37
-"Of the height; found by finite elements of layers of 2 and 3 mm, which follow this law to 1 %."
+"Share of the height; found by finite elements of layers of 2 and 3 mm, which follow this law to 1 %."
 
 
 def punch_on_half_space_mm(punch_mm: float, poisson: float = 0.0) -> float:

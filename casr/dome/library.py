@@ -27,7 +27,7 @@ MODULI_MPA = {
     "C": (0.8, 0.01), "J": (0.8, 0.02), "H": (0.8, 0.05), "D": (0.8, 0.1), "E": (0.3, 0.1), "I": (0.3, 0.2),
     "G": (0.15, 0.3),
 }  # fmt: skip
-"""Of skin and gel of the domes of the shipped library, softest gel first for its skin: nothing else differs."""
+"""Moduli of skin and gel of the domes of the shipped library, softest gel first for each skin. Nothing else differs."""
 FAMILY = tuple(MODULI_MPA)
 SHIPPED = "library.npz"
 DEFAULT_WORLD = "skin_over_gel.npz"
@@ -39,7 +39,7 @@ DIGESTS = {
 "SHA-256 of the files, as scripts/dome_tables prints them: what hangs on the tables is known to hang on this module."
 LAST_RADIUS_MM = 18.0
 _QUANTUM = 2e-4
-"Of the motion in the file, mm or rad: a fiftieth of a pixel at 10 px/mm would be 2e-3."
+"Step in which files store the motion, mm or rad: a fiftieth of a pixel at 10 px/mm would be 2e-3."
 _SMOOTH_DEGREE = 6
 _TREND_FROM = 0.6
 "A table is continued along the lines through its steps from this share of its largest radius on."
@@ -48,7 +48,7 @@ _TREND_FROM = 0.6
 _MATTERS = 0.25
 "Weight of a table from which on a world counts as computed as far as that table only."
 USUAL_STIFFNESS = 3.0
-"Of a dome, N/mm: motion runs most evenly over 1 / (1 + stiffness of the specimen / that of the dome)."
+"Stiffness of a usual dome, N/mm: motion runs most evenly over 1 / (1 + stiffness of the specimen / that of the dome)."
 _OF_WORLDS = ("dome", "stiffness_n_per_mm", "friction", "height_mm", "computed_mm", "force_n", "edge_arc_mm", "motion")
 
 

@@ -43,7 +43,9 @@ SOLVER = "casr dome"
 HEIGHT, USUAL_HEIGHT_MM = "specimen_height_mm", 25.0
 SMOOTH_FROM_N = 0.02
 LEAST_RADIUS_MM, LEAST_FORCE_N, LEAST_STEPS = 4.0, 0.5, 10
-"That a contact reaches at its last step, and its steps from ``SMOOTH_FROM_N`` on: less tells nothing of a press."
+"""Smallest last radius and force of a contact, and fewest steps from ``SMOOTH_FROM_N`` on: less tells nothing of a
+press.
+"""
 RANGES = {
     "force_n": (0.0, 1000.0), "contact_radius_mm": (0.0, 20.0), "edge_arc_mm": (0.0, 32.0), "s_mm": (0.0, 30.0),
     "u_r_mm": (-20.0, 20.0), "u_z_mm": (-20.0, 20.0), "tilt_rad": (-3.2, 3.2),

@@ -13,9 +13,9 @@ Pole = tuple[float, float] | Points
 Real = TypeVar("Real", np.float32, np.float64)
 
 OUTER_RADIUS_MM, SKIN_MM = 20.0, 1.0
-"Of the finite-element domes."
+"Outer radius and skin of the finite-element domes."
 INNER_RADIUS_MM = OUTER_RADIUS_MM - SKIN_MM
-"Of the skin on which pins stand."
+"Radius of the skin on which pins stand."
 
 
 @dataclass(frozen=True, kw_only=True)

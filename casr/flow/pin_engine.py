@@ -198,7 +198,7 @@ class PinEngine:
         return (f"{share} of the region's {len(now_px)} pins are not seen",) if lost else ()
 
     def _jump(self, move_px: Points) -> tuple[str, ...]:
-        """Beyond half a pitch, which pin is which is a guess that rests on the neighbours moving alike.
+        """Beyond half a pitch, pins are told apart only by the guess that neighbours move alike.
 
         Not so if the border of the array jumps with them: it fits in one place only.
         """

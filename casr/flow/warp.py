@@ -108,7 +108,9 @@ class Unexplained:
 
 
 def unexplained(first: Floats, second: Floats, flow: Floats, margin: int) -> Unexplained:
-    """Of smoothed frames (H, W) and a flow (H, W, 2), px, whose outermost margin px carry no data."""
+    """What a flow leaves over of smoothed frames (H, W) and a flow (H, W, 2), px, whose outermost margin px carry no
+    data.
+    """
     difference = warp(second, flow, margin) - first
     if min(first.shape) > 2 * margin:
         seen = np.zeros(first.shape, bool)

@@ -115,7 +115,7 @@ class MeasuredCamera:
     left_out: Mapping[str, str]
 
     def facts(self) -> dict[str, Any]:
-        """What the file tells of the fit, besides the camera; JSON-ready."""
+        """Facts of the fit that the file tells besides the camera; JSON-ready."""
         of_fit = ("rms_px", "fx_se_px", "fy_se_px", "cx_se_px", "cy_se_px", "covered")
         return {name: getattr(self.fit, name) for name in of_fit} | {
             "pictures_used": len(self.fit.views),

@@ -64,7 +64,7 @@ def _check_known(path: Path, name: str, table: dict[str, Any], keys: Sequence[st
 
 
 def _tables(path: Path) -> dict[str, Any]:
-    """What the file holds; ``camera`` is a table."""
+    """Tables of the file; ``camera`` is one of them."""
     try:
         tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:

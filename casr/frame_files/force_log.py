@@ -17,7 +17,7 @@ _TIMES = ("time_s", "frame_time_s")
 REMARKS = ("doubtful:", "rejected:", "stopped:")
 "A comment that begins so is what the recorder of the press thought of it, and becomes a note."
 NEWTONS = {"mn": 1e-3, "cn": 1e-2, "kn": 1e3, "gf": 9.80665e-3, "kgf": 9.80665, "lbf": 4.4482216152605}
-"Of each unit that may end the name of a force column, in place of n."
+"Newtons of each unit that may end the name of a force column in place of n."
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ _LOSSLESS = {"FFV1", "HFYU", "FFVH", "PNG", "MPNG", "Y800", "GREY", "DIB", ""}
 
 
 LIMITS = Limits()
-"""Of opening a video and of each batch of its frames; both grow with the size of the file."""
+"""Limits of opening a video and of reading each batch of its frames; both grow with the size of the file."""
 _BATCH_BYTES = 8_000_000
 _MOST_IN_BATCH = 32
 

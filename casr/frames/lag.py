@@ -165,7 +165,7 @@ def _fitted_from(
 
 
 def _law_of(n: int, taken_s: _Array, moved_px: Points, rise: _Rise, up_to_n: float) -> _Law | str:
-    """That of the first n frames, or why there is none."""
+    """Law of the first n frames, or the reason why there is none."""
     way = moved_px[min(n, len(moved_px) - 1)]
     length_px = float(np.sqrt((way**2).sum()))
     if length_px == 0:

@@ -21,7 +21,7 @@ _Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class ForceZero:
-    """What the force sensor reads when nothing touches.
+    """Reading of the force sensor when nothing touches.
 
     level_n : N, the median of ``n`` frames at rest. sd_n : its standard error, N.
     taken_off : whether the forces are without it.
@@ -137,7 +137,9 @@ class LoadingPhase:
 
 
 NEARLY = 0.8
-"Of the force to stop at: at 16 N/s and 20 frames a second the last frame of a press lies up to 0.8 N below its peak."
+"""Share of the force to stop at: at 16 N/s and 20 frames a second the last frame of a press lies up to 0.8 N below its
+peak.
+"""
 
 
 def loading_phase(force_n: ArrayLike, *, start_n: float = 0.5, stop_n: float | None = None) -> LoadingPhase:

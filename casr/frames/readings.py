@@ -18,7 +18,7 @@ RETURNS = 0.5  # of its height: beyond it the force is again where it was before
 BESIDE = 3  # readings on either side
 WIDEST = 2
 LEAST_ROWS, REACHED = 5, 0.98
-"That tell a slope of travel, and share of the largest force at which the indenter has gone in."
+"Fewest rows that tell a slope of travel, and share of the largest force at which the indenter has gone in."
 RANGE_N, EXPONENT = (0.5, 7.0), 0.57
 """Forces that travel per newton is told for, whichever a press reached, and the power of force as which travel grows:
 .50 to .62 on the domes that come with casr, .5 to 4.5 N."""
@@ -125,7 +125,7 @@ class TravelReadings:
 
 
 def _slope_of_power(low: float, high: float) -> float:
-    """Of the line of least squares through force^``EXPONENT`` between two forces."""
+    """Slope of the line of least squares through force^``EXPONENT`` between two forces."""
     force = np.linspace(low, high, 101)
     return float((force - force.mean()) @ force**EXPONENT / np.sum((force - force.mean()) ** 2))
 

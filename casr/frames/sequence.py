@@ -32,7 +32,9 @@ class FrameSource(Protocol):
 
 
 MOST_KEPT_BYTES = 64 * 2**20
-"Of decoded frames: 700 of 300 x 300 px, many times a press; a recording of hours must not fill the memory."
+"""Most bytes of decoded frames that are kept: 700 of 300 x 300 px, many times a press; a recording of hours must not
+fill the memory.
+"""
 
 
 class KeptFrames:

@@ -8,7 +8,7 @@ USUAL_MISFIT = 0.02
 "Share of the motion left over beyond noise; where there is more, the tables fit this sensor less well than each other."
 
 MOUNTING_SD = 0.043
-"Of CASR from mounting to mounting, relative: the emulated bench's."
+"Relative SD of CASR from mounting to mounting, that of the emulated bench."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,12 +42,12 @@ class Discrepancy:
     freedom: float = 10.0
 
     def mounted(self, casr_sd: float) -> Discrepancy:
-        """Of mountings by which CASR differs so much, relative."""
+        """Discrepancy of mountings whose CASR has this relative SD."""
         names = ("stiffness", "force_mounting", "travel_mounting")
         return replace(self, **{name: casr_sd / MOUNTING_SD * getattr(self, name) for name in names})
 
     def scaled(self, factor: float) -> Discrepancy:
-        """Of a sensor that the tables fit less well."""
+        """Discrepancy of a sensor that the tables fit less well."""
         names = ("level", "slope", "curve", "log_force", "force_curve")
         return replace(self, **{name: factor * getattr(self, name) for name in names})
 

@@ -25,9 +25,9 @@ from casr.kappa.presses import KappaPress
 from casr.spread.intervals import CONFIDENCE
 
 USUAL_PIN_MM, UNKNOWN_PIN_SD_MM = 3.0, 1.0
-"Of a sensor whose pin length nobody states."
+"Pin length, and its standard error, of a sensor whose pin length nobody states."
 POLE_SD_MM = 0.15
-"Of the dome's axis from the principal point, on the dome of 20 mm."
+"Standard error of the dome's axis about the principal point, on the dome of 20 mm."
 
 
 @dataclass(frozen=True, eq=False)

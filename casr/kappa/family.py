@@ -34,7 +34,7 @@ _MATTERS = 0.1
 "Weight of a table."
 _COMPARED_MM = (3.0, 9.0)
 _PLACE_STEP, _Z_STEP = 1e-4, 1e-4
-"Of slopes."
+"Steps of the differences that give slopes."
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ OWN = ("z", "stick", "across_1_rad", "across_2_rad")
 _STEPS = {
     **{SHARED.index(name): 1e-4 for name in OF_VIEW[1:]}, len(SHARED) + 2: 1e-5, len(SHARED) + 3: 1e-5,
 }  # fmt: skip
-"By the number of a parameter of the view, or of the axis."
+"Step of the difference quotient, by the number of a parameter of the view or of the axis."
 _FITS = 4
 LEAST_RADIUS_MM = 1.0
 
@@ -216,7 +216,7 @@ class PressField:
 
 
 def _spread(frames: Rows) -> Rows:
-    """As many of the frames as are used, spread over all."""
+    """Indices of the frames that are used, spread over all."""
     return np.unique(frames[np.linspace(0, len(frames) - 1, MOST_FRAMES).round().astype(np.intp)])
 
 

@@ -13,7 +13,7 @@ from casr.kappa.labels import Labels
 Array = NDArray[np.float64]
 
 _FRAME_SD, _FRAME_SD_N, _BEND_SD = 0.01, 0.01, 0.03
-"Of ln force and of force from frame to frame; of ln force from one e-fold to the next."
+"SDs of ln force and of force from frame to frame, and of ln force from one e-fold to the next."
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class PressForce:
 
 
 def forces_of(labels: Labels) -> dict[int, PressForce]:
-    """Of the presses, by their number, that have forces."""
+    """Forces of the presses that have any, by the number of the press."""
     found = {}
     for k, field in enumerate(labels.fields):
         if field.press.force_n is None:

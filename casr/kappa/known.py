@@ -93,7 +93,7 @@ class KnownSensor:
 
     @property
     def discrepancy(self) -> Discrepancy:
-        """Of a sensor that the tables fit as well as this one."""
+        """Discrepancy of a sensor that the tables fit as well as this one."""
         return Discrepancy().scaled(max(self.misfit / USUAL_MISFIT, 1.0))
 
     def prior(self, mountings: Sequence[str]) -> tuple[Array, Array]:

@@ -21,7 +21,7 @@ Array = NDArray[np.float64]
 DEPTH_SD_OF_SENSOR, DEPTH_SD_OF_MOUNTING = 0.01, 0.007
 "Relative, of what camera.toml says, and of one mounting about it."
 BEND_SD = 0.3
-"Of a share of ``Family.bends``: a dome that is left out differs by 1, with neighbours twice as far away."
+"SD of a share of ``Family.bends``: a dome that is left out differs by 1, with neighbours twice as far away."
 _PLACE, PLACE_SD = 0.5, 0.6
 _OWN, _OWN_SD = np.array([0.5, 0.5, 0.0, 0.0]), np.array([1.0, 0.5, 0.5, 0.5])
 _PLACES, _ZS = (0.05, 0.25, 0.45, 0.65, 0.85), (0.08, 0.25, 0.5)
@@ -57,7 +57,7 @@ class Sensor(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """Of one press of K parameters beside its radii: what it adds to the precision (K, K) of them and pulls at them
+    """One press of K parameters beside its radii: what the press adds to the precision (K, K) of them and pulls at them
     (K,), at noise of 1 px, and into (K, G) them from all parameters."""
 
     squares: Array
@@ -291,8 +291,9 @@ def _followed(field: PressField, before: PressField, state: State) -> Array:
 
 
 Reduced = tuple[Array, Array, Array, Array]
-"""Of one press of K parameters: (K, K) squares and (K,) products of derivatives after the radii are eliminated; (T,)
-change of the radii where the parameters stay, and (T, K) by the parameters."""
+"""One press of K parameters, its radii eliminated: (K, K) squares and (K,) products of derivatives; (T,) change of the
+radii where the parameters stay, and (T, K) by the parameters.
+"""
 
 
 def _reduced(residual: Array, by: Array) -> Reduced:

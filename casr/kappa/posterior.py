@@ -29,7 +29,7 @@ from casr.spread.intervals import CONFIDENCE, student_quantile
 Array = NDArray[np.float64]
 
 FREE_SD = 10.0
-"Of ln kappa of a specimen that is not known, about ``_USUAL_KAPPA``: as good as free."
+"SD of ln kappa of an unknown specimen about ``_USUAL_KAPPA``: as good as free."
 KNOWN_SD = 0.002
 "Least standard error of ln kappa of a known specimen."
 _USUAL_KAPPA, _MIDDLE_Z = 4.0, 0.4
@@ -85,8 +85,9 @@ stay below 1.6, those of specimens that are mixed up come to 3 to 30."""
 
 
 class Posterior:
-    """Of all specimens. left_out : whose stiffness is taken as unknown. confidence : of its intervals. start : where
-    they are looked for, as ``mean`` of a posterior of the same presses, with fewer frames perhaps.
+    """Posterior of kappa of all specimens. left_out : whose stiffness is taken as unknown. confidence : of its
+    intervals. start : where they are looked for, as ``mean`` of a posterior of the same presses, with fewer frames
+    perhaps.
 
     mean, covariance : of the n_label parameters of the sensor, ln kappa0, level, slope, ln kappa of each
     specimen, and where there is travel its level and ln k_t.
@@ -276,7 +277,7 @@ class Posterior:
 
     @property
     def kappa0(self) -> float:
-        """Of the dome, N/mm."""
+        """Stiffness of the dome, N/mm."""
         return float(np.exp(self.mean[self.n_label]))
 
 

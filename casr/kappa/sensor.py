@@ -28,7 +28,7 @@ from casr.kappa.presses import KappaPress
 Array = NDArray[np.float64]
 
 POLE_SD_MM, PIN_LENGTH_SD_MM, DEPTH_SD = 2.0, 0.4, 0.03
-"Of what camera.toml says where it states no errors: of a sensor that nobody measured with care."
+"Standard errors of values of camera.toml that states none: those of a sensor that nobody measured with care."
 TOLD = 0.7
 "Presses tell what they leave a smaller share of its error before them."
 NOMINAL = SensorErrors(pin_length_mm=1e-6, pole_px=1e-6, depth=1e-6)
@@ -47,8 +47,9 @@ _STEP = 1e-3
 
 @dataclass(frozen=True)
 class Quantity:
-    """Of a sensor. stated : in camera.toml; None of what it does not hold. sd, prior_sd : standard errors of the value
-    with the presses, and before them. told : whether the presses say more of it than was known before."""
+    """One quantity of a sensor. stated : in camera.toml; None of what it does not hold. sd, prior_sd : standard errors
+    of the value with the presses, and before them. told : whether the presses say more of it than was known before.
+    """
 
     value: float
     sd: float

@@ -21,7 +21,9 @@ from casr.svg import Axes, Picture
 Array = NDArray[np.float64]
 
 PIN_MM, PITCH_MM = 3.0, 3.5
-"Of the pins that are drawn, in millimetres of a dome of 20 mm: the sensor's file says nothing of them."
+"""Length and pitch of the pins that are drawn, in millimetres of a dome of 20 mm: the sensor's file says nothing of
+them.
+"""
 _AT_N = (0.5, 1.0, 2.0, 4.0)
 _COLOURS = (BLUE, RED, GREEN, PURPLE, YELLOW, SKY)
 _REACH_MM = 25.0
@@ -60,8 +62,9 @@ def dome_page(solved: Sequence[SolvedTable], others: Library) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Unlike:
-    """Of a table against the nearest of other worlds. radius_mm, share : (R,) what of the motion of tips of pins that
-    world leaves over at a contact radius. dome : its name. worst : largest share."""
+    """How far a table is from the nearest of other worlds. radius_mm, share : (R,) what of the motion of tips of pins
+    that world leaves over at a contact radius. dome : its name. worst : largest share.
+    """
 
     radius_mm: Array
     share: Array
@@ -88,7 +91,7 @@ def unlikeness(table: ContactTable, others: Library) -> Unlike:
 
 
 def _outward(motion: Array, arcs: Array) -> Array:
-    """Of tips of pins away from the axis, mm; motion (..., S, 3)."""
+    """Motion of tips of pins away from the axis, mm; motion (..., S, 3)."""
     angle = arcs / INNER_RADIUS_MM
     return np.asarray(motion[..., 0] + PIN_MM * (np.sin(angle) - np.sin(angle - motion[..., 2])))
 
@@ -101,7 +104,7 @@ def _at(table: ContactTable, force_n: float) -> Array:
 
 
 def _ends(solved: Sequence[SolvedTable]) -> list[SolvedTable]:
-    """On the softest and on the hardest specimen."""
+    """Results on the softest and on the hardest specimen."""
     ranked = sorted(solved, key=lambda each: each.table.stiffness_n_per_mm)
     return ranked[:1] if len(ranked) == 1 else [ranked[0], ranked[-1]]
 

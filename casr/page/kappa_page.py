@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 
 _COLOURS = {"pins": BLUE, "force": PURPLE, "travel": GREEN}
 _POINTS, _WITHIN = 41, (1.4, 4.0)
-"Of a curve; least and largest share of kappa to either side that is drawn."
+"Points of a curve; least and largest factor of kappa that is drawn to either side."
 _SURE = 1.96
 "Standard errors of a 95 % interval."
 

@@ -10,7 +10,7 @@ MEANING = {
     "front": "the contact area, its edge followed in every frame",
     "skin": "the first contact's skin as the flow stretches it: the paper's",
 }
-"What the two quantities are."
+"Meaning of the two quantities."
 
 
 def number(value: float | None, digits: int = 4) -> str:

@@ -16,11 +16,11 @@ Matrix = NDArray[np.float64]
 HUBER_LIMIT = 3.0  # scaled median residuals
 POWER_LAW_POINTS = 4
 CURVATURE, CURVATURE_SD = -0.025, 0.02
-"""Of ln A over ln F, and how it scatters, before a press is seen: -0.066 to +0.001 from 0.5 to 7 N on eight domes of
+"""Curvature of ln A over ln F, and its SD, before a press is seen: -0.066 to +0.001 from 0.5 to 7 N on eight domes of
 finite elements, three specimens and two frictions."""
 _STRAIGHT = 1e-12  # of the square of ln F: less tells no curvature
 AREA_SD = 0.02
-"Of ln A, before a press is seen: what fewer than ``FEW_POINTS`` areas are taken to scatter by."
+"SD of ln A before a press is seen: what fewer than ``FEW_POINTS`` areas are taken to scatter by."
 
 
 @dataclass(frozen=True)
@@ -74,14 +74,14 @@ class PowerLawFits:
 
     @property
     def law(self) -> PowerLaw:
-        """Of the first press."""
+        """Power law of the first press."""
         (level, exponent, curvature), (mean, square, skew) = self.found[0].tolist(), self.moments[0].tolist()
         level += (curvature * (mean + skew) - exponent) * mean - curvature * square
         return PowerLaw(float(np.exp(level)), exponent - curvature * (2 * mean + skew), curvature)
 
     def standard_error(self, low_n: float, high_n: float) -> tuple[float, float] | None:
-        """Of the mean rate of the first press, for the errors of single areas and for the curvature that they do not
-        tell, and its degrees of freedom.
+        """Standard error of the mean rate of the first press, for the errors of single areas and for the curvature that
+        they do not tell, and its degrees of freedom.
 
         None below four points.
         """

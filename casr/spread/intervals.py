@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 Vector = NDArray[np.float64]
 
 CONFIDENCE = 0.95
-"Of the intervals."
+"Confidence of the intervals."
 
 
 FEW_POINTS = 5
-"Of fewer areas on a law of three parameters the errors do not tell alone how far they scatter."
+"With fewer areas than this, the errors of a law of three parameters do not tell how far the areas scatter."
 
 
 def standard_error(

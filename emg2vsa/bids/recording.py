@@ -79,7 +79,9 @@ class Channel:
         return self.pair or self.label
 
     def cells(self, electrode_mm: float | None) -> tuple[object, ...]:
-        """In the order of ``CHANNEL_COLUMNS``. electrode_mm : distance of the two, mm; None where it is not known."""
+        """Cells of a row in the order of ``CHANNEL_COLUMNS``. electrode_mm : distance of the two, mm; None where it is
+        not known.
+        """
         said = (f"surface EMG of {self.muscle}" if self.muscle else "pressing force") + self.said
         rate, unit = self.stated_hz or f"{self.fs_hz:.10g}", self.unit or ABSENT
         tail = (ABSENT, "good", self.told or ABSENT)
@@ -185,7 +187,7 @@ class Recording:
 
 
 def of_source(stated: Mapping[str, object]) -> Json:
-    """Of the side file of another data set: what it says of how the recording was made."""
+    """What the side file of another data set says of how the recording was made."""
     return {key: stated[key] for key in _FROM_SOURCE if key in stated}
 
 

@@ -27,7 +27,7 @@ def kappa_by_pins(
     domes: Sequence[Domes],
     settings: CalibrationSettings,
 ) -> PinsResult:
-    """Of the new specimen, by presses of S known ones and of it.
+    """Kappa of the new specimen by its presses and those of S known specimens.
 
     kappa, kappa_se : (S,) N/mm. truth : known kappa of the new specimen, NaN where it is not known; it enters no fit.
     domes : whose tables, and how high each specimen is, S and the new one. settings : confidence, and how far mountings

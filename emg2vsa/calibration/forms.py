@@ -56,10 +56,11 @@ from emg2vsa.settings import Law
 HERTZ = 1.5
 "Exponent of the score in the compliance law: 1/E* over dA/dF, or over mm per N, in a Hertz contact."
 CASR_POWER, FRONT_POWER, INDENTATION_POWER = 1 / 3, -2 / 3, -5 / 3
-"Of cos(theta) in a score: of areas in the image, of areas of the contact's front, and of indentations."
+"Power of cos(theta) in a score: of areas in the image, of areas of the contact's front, and of indentations."
 FRONT_SHARE = 0.01
-"""Of a score by the contact's front, by which its error differs between specimens of one sensor, however often they are
-pressed: what of it they share calibrates out, domes that the library does not hold leave 0.7 to 1.3 %."""
+"""Share of a score by the contact's front by which its error differs between specimens of one sensor, however often
+they are pressed: what of it they share calibrates out, domes that the library does not hold leave 0.7 to 1.3 %.
+"""
 _LEAST_FRAMES = 3
 _MOST_POWER = 2.0  # a contact growing faster would not resist at all
 

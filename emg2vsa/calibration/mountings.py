@@ -34,7 +34,7 @@ _UNLIKE_P = 0.05
 
 @dataclass(frozen=True, eq=False)
 class MountingScatter:
-    """Of d calibrations; (d,), shares of a score.
+    """Scatter of mountings in d calibrations; (d,), shares of a score.
 
     sd : t, from one mounting to the next. freedom : f, 0 where the SD is assumed. between : v. of_presses : c s^2.
     assumed : the SD of a mounting that the study assumes.
@@ -56,7 +56,7 @@ class MountingScatter:
 
 
 def mounting_scatter(scores: Floats, labels: Ints, assumed_sd: float) -> MountingScatter:
-    """Of presses (d, S, R) with the number of their mounting (S, R)."""
+    """Scatter of mountings of presses (d, S, R) with the number of their mounting (S, R)."""
     groups = by_mounting(scores, labels)
     with np.errstate(invalid="ignore", divide="ignore"):
         groups = groups / mean_of(scores)[:, :, None, None]
@@ -76,7 +76,7 @@ def mounting_scatter(scores: Floats, labels: Ints, assumed_sd: float) -> Mountin
 
 
 def pooled(designs: MountingScatter) -> MountingScatter:
-    """Of all d designs of a study together; of one alone whose mountings scatter more than the others' (F test at
+    """Pooled scatter of all d designs of a study; of one alone whose mountings scatter more than the others' (F test at
     5 %), and of each alone where only some pressed a mounting twice."""
     f, there = designs.freedom, designs.freedom > 0
     if np.unique(designs.of_presses[there] > 0).size != 1:

@@ -55,7 +55,7 @@ class Belief:
 
     @property
     def variance(self) -> float:
-        """Of ln kappa."""
+        """Variance of ln kappa."""
         log = np.log(self.kappa)
         return float(self.weight @ (log - self.weight @ log) ** 2)
 
@@ -85,7 +85,7 @@ class Choice:
 
 
 def belief(calibrations: Sequence[OnlineCalibration], done: Mapping[int, Done]) -> Belief:
-    """Of kappa, from what the calibrations (by index) have said so far."""
+    """Belief in kappa from what the calibrations (by index) have said so far."""
     known = np.concatenate([each.kappa for each in calibrations])
     kappa = np.geomspace(known.min() / _BEYOND, known.max() * _BEYOND, _GRID)
     log_weight = np.zeros(_GRID)
@@ -166,5 +166,5 @@ def _normal(confidence: float) -> float:
 
 
 def _half_width(variance: float, confidence: float) -> float:
-    """Of an interval on kappa, as a share, of this variance of ln kappa."""
+    """Half width of an interval on kappa, as a share, at this variance of ln kappa."""
     return float(np.sinh(_normal(confidence) * np.sqrt(variance)))

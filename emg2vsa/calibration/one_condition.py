@@ -40,8 +40,9 @@ _MOST_UNLIKE = 0.5
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Scores:
-    """Of one condition, for K choices of presses: of the known specimens (K, S, R) and the new one (K, R), and the
-    mounting of each press."""
+    """Scores of one condition for K choices of presses: of the known specimens (K, S, R) and the new one (K, R), and
+    the mounting of each press.
+    """
 
     known: Floats
     new: Floats
@@ -64,7 +65,7 @@ class OneCondition:
     settings: CalibrationSettings
 
     def scores(self, name: str, of_paper: bool) -> Scores:
-        """Of all presses, without outliers where the settings leave them out."""
+        """Scores of all presses, without outliers where the settings leave them out."""
         if name == DEPTH:
             return self._side_by_side([mm_per_n(run.indent_n_per_mm)[None] for run in self._runs])
         mads = self._settings(of_paper).outlier_mads

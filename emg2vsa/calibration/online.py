@@ -91,7 +91,7 @@ class OnlineCalibration:
 
     @cached_property
     def calibration(self) -> Calibration:
-        """From CASR, at every force: d = G."""
+        """Calibration from CASR at every force: d = G."""
         return calibrate(
             self._kappa_at_every_force,
             np.moveaxis(self.rates, -1, 0),
@@ -122,7 +122,8 @@ class OnlineCalibration:
         return bool(np.sum((compliance - compliance.mean()) * means) > 0)
 
     def judged(self, rates: Floats, at: Ints, mountings: Ints | None = None) -> Judged:
-        """By the area: of rates (n, d) of n presses of the new specimen, by the laws at these (d,) of the forces.
+        """Kappa by the area: from rates (n, d) of n presses of the new specimen, by the laws at these (d,) of the
+        forces.
 
         mountings : (n,) number of each press's mounting; None: one.
         """
@@ -157,7 +158,7 @@ class OnlineCalibration:
         return np.asarray(slope * reach / special.ndtri(0.5 + self.settings.confidence / 2))
 
     def axis(self, kappa: Floats) -> Floats:
-        """Of kappa (n,), N/mm: on this axis, intervals are even."""
+        """Place of kappa (n,), N/mm, on the axis on which intervals are even."""
         return self.posterior.z(kappa) if self.posterior else np.asarray(eta_of(self.settings.law, kappa))
 
     def half_width(self, kappa: float, reach: float) -> float:
@@ -167,7 +168,7 @@ class OnlineCalibration:
 
     @cached_property
     def posterior(self) -> Posterior | None:
-        """By the pins, before the new specimen is pressed; None where they say nothing."""
+        """Posterior by the pins before the new specimen is pressed; None where the pins say nothing."""
         return self.pins.posterior(self.settings) if self.pins else None
 
     @property

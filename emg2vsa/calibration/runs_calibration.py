@@ -93,7 +93,7 @@ class ChosenLaws:
         return self.by.get((condition, angle_deg, algorithm))
 
     def headline(self, condition: str, angle_deg: float, algorithm: str) -> Headline | None:
-        """By the pins, or else this law. angle_deg : degrees."""
+        """Kappa by the pins, or else by this law. angle_deg : degrees."""
         design = self.study.find(angle_deg, condition)
         return (design.pins if design else None) or self.law(condition, angle_deg, algorithm)
 

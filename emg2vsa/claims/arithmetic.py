@@ -17,7 +17,7 @@ from emg2vsa.study import Study
 
 QUESTION = "settings and arithmetic"
 FILTER = MovingAverage(5, 200.0)
-"""Of the force, as the paper describes it."""
+"""Filter of the force, as the paper describes it."""
 _ROUNDED, _HALF_DIGIT = 0.005, 0.0005
 _LEAST_PLATE_R2 = 0.882
 _BENT = 0.1
@@ -95,7 +95,7 @@ def _of_people(study: Study, weight_alpha: float, counted: Counted) -> Iterator[
 
 
 def _of_plates(study: Study, plates: PlateTests | None) -> Claim:
-    """Of every specimen of the study kappa stays the same over the range of force."""
+    """Claim that kappa of every specimen stays the same over the range of force."""
     names = [specimen.name for specimen in study.specimens]
     pressed = [of for name in names if plates and (of := plates.specimen(name))]
     missing = sorted(set(names) - {of.name for of in pressed})

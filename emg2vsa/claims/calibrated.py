@@ -11,7 +11,7 @@ from emg2vsa.claims.claim import Right
 WORLDS, STUDIES = 31, 500
 "How many, and of each."
 ANY = Right(0.034, 0.05056, "cell-6x")
-"Of any false verdict in a report."
+"Chance of any false verdict in a report."
 CLAIMS = {
     "specimens_differ": Right(0.006, 0.01543, "crossed-14", "holds", 1),
     "others_not_distinct": Right(0, 0.005974, "alike", "refuted", 1),

@@ -179,9 +179,9 @@ def verdict(low: float, high: float, asserts: Asserts, margin: float) -> Verdict
 
 
 class Right(NamedTuple):
-    """Of one claim. false, bound : share of studies with a false verdict in ``world``, where it is largest, and its
-    upper 95 % bound. right : verdict that the paper's effects call for, "" where there is none; power : share of
-    studies that come to it, None without one.
+    """How often the verdict of one claim is false or right. false, bound : share of studies with a false verdict in
+    ``world``, where it is largest, and its upper 95 % bound. right : verdict that the paper's effects call for, ""
+    where there is none; power : share of studies that come to it, None without one.
     """
 
     false: float
@@ -197,8 +197,9 @@ have one verdict."""
 
 
 def confidence_of(claims: Sequence[Claim], alpha: float, together: int = 1) -> float:
-    """Of each interval, so that any verdict of ``together`` claims, or of all these, is false with a chance of
-    ``alpha`` at most."""
+    """Confidence of each interval, so that any verdict of ``together`` claims, or of all these, is false with a chance
+    of ``alpha`` at most.
+    """
     return 1 - 2 * alpha / max(sum(not claim.found.exact for claim in claims), together)
 
 

@@ -14,7 +14,8 @@ from emg2vsa.statistics.drift import Drift, Slope
 
 @dataclass(frozen=True, eq=False)
 class Difference:
-    """Of n people, between recordings of each that lie ``apart`` places on the whole, and the drift of such values.
+    """Differences of n people between recordings of each that lie ``apart`` places on the whole, and the drift of such
+    values.
 
     apart : (n,), NaN of a person whose order nobody knows; (0,) of values that are no difference.
     """

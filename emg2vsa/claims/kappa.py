@@ -40,7 +40,7 @@ DESIGNS: dict[str, tuple[str, tuple[Design, ...]]] = {
 
 @dataclass(frozen=True)
 class Step:
-    """From one condition and algorithm to another, "" for the one estimate of the study, at these angles."""
+    """Step from one condition and algorithm to another, ""  for the one estimate of the study, at these angles."""
 
     says: str
     before: tuple[str, str]
@@ -59,7 +59,7 @@ class Laws(Protocol):
     """What gives the estimate of a design, and its law by a vision algorithm; None where it was not calibrated."""
 
     def headline(self, condition: str, angle_deg: float, algorithm: str) -> Headline | None:
-        """By the pins, or by the law of ``algorithm``. angle_deg : degrees."""
+        """Kappa by the pins, or by the law of ``algorithm``. angle_deg : degrees."""
 
     def law(self, condition: str, angle_deg: float, algorithm: str) -> LawResult | None:
         """By CASR. angle_deg : degrees."""

@@ -12,7 +12,7 @@ from emg2vsa.study import Study
 
 
 def claims_on_rig(study: Study, table: RunTable | None, laws: Laws | None) -> Iterator[Claim]:
-    """On the scores of ``table``, and on what ``laws`` give of them; a part that is None has no claims."""
+    """Claims on the scores of ``table``, and on what ``laws`` give of them; a part that is None has no claims."""
     if table is not None:
         yield from rig_claims(table, study.calibration.mounting_sd_percent / 100, study.claims)
     if laws is not None:

@@ -8,7 +8,7 @@ KAPPA_N_PER_MM = {"S1": 7.63, "S2": 5.32, "S3": 3.35, "S4": 3.12, "S5": 1.11}
 """Stiffness of its specimens by plate indentation, stiffest first."""
 
 WEIGHT_ALPHA, INTERPOLATION_RMSE_V = 0.532, 0.0002
-"""Of the softer neighbour in the profile of S_new, and of that profile beside the measured one."""
+"""Weight of the softer neighbour in the profile of S_new, and RMSE of that profile beside the measured one."""
 SCHEDULE_PERCENT, SCHEDULE_STEP_N = (20.0, 80.0), 0.3
 FILTER_CUTOFF_HZ = 5.0
 ANGLES_DEG = (0.0, 30.0, 45.0)
@@ -29,14 +29,14 @@ CASR_WORST_P = {
 DESIGNS = frozenset(CASR_WORST_P)
 """Conditions and angles that section VI reports; the rigid motor at 0° is of the previous work."""
 NEW_MIN_STIFFNESS_P = 0.3799
-"""Of S_new against S1 at the lowest constant stiffness: the one condition that did not discriminate it."""
+"""p of S_new against S1 at the lowest constant stiffness, the one condition that did not discriminate them."""
 ERROR_OLD_VISION = {0.0: 0.06, 30.0: 0.25, 45.0: 0.28}
 ERROR_NEW_VISION = {30.0: 0.07, 45.0: 0.13}
 ERROR_HUMAN_LIKE = {0.0: 0.03, 30.0: 0.03, 45.0: 0.04}
-"""On the stiffness of S_new, sign not printed (Table I)."""
+"""Error of the stiffness of S_new by angle, sign not printed (Table I)."""
 ERROR_CONSTANT = {"constant-max": 0.0472, "constant-mean": 0.05}
 WORST_ADJ_R2 = {"high-stiffness": 0.8963, "modular": 0.9753, "constant-max": 0.9849, "constant-mean": 0.9996}
-"""Of the exponential law, the worst over the angles of ``DESIGNS``."""
+"""Adjusted R² of the exponential law, the worst over the angles of ``DESIGNS``."""
 CURVES = {0.0: (10.21, -1.567), 30.0: (14.76, -23.94), 45.0: (8.639, -58.67)}
 """kappa = p exp(q CASR) of the human-like condition: p in N/mm, q per unit of CASR, which is not printed."""
 

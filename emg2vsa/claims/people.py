@@ -158,7 +158,7 @@ class _Cells:
         return mean_of(clusters_of(table.participant, table.specimen, table.place, np.isfinite(table.b_v)).values)
 
     def drift(self, values: Floats) -> Drift:
-        """Of one value a press."""
+        """Drift of one value a press."""
         table = self.table
         return drift(table.participant, table.specimen, table.place, table.repetition.astype(np.float64), values)
 
@@ -282,6 +282,8 @@ def _error(
 
 
 def _softer_weight(stiffer: float, softer: float, new: float) -> float:
-    """Of places, by whatever rule the profiles were weighted; half where a stiffness is not known."""
+    """Weight of the softer neighbour by place, whatever rule weighted the profiles; half where a stiffness is not
+    known.
+    """
     weight = (stiffer - new) / (stiffer - softer) if stiffer != softer else 0.5
     return weight if weight == weight else 0.5

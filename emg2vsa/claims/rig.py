@@ -58,7 +58,7 @@ class _Cells:
         return [self.table.design(*design) for design in designs]
 
     def missing(self, designs: Iterable[Design], specimens: Sequence[int]) -> list[str]:
-        """Which of the cells have no score: ``S1 modular 30°``, or a design as a whole."""
+        """Cells that have no score: ``S1 modular 30°``, or a design as a whole."""
         found = []
         for (condition, angle), place in zip(designs, self.places(designs), strict=True):
             absent = [self.table.specimens[s] for s in specimens if place < 0 or not self.mountings.count[place, s]]

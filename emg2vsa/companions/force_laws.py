@@ -51,7 +51,7 @@ class ForceLaws:
 
 @dataclass(frozen=True, eq=False)
 class CellErrors:
-    """Of one cell: error (2, L) as in ``ForceLaws``."""
+    """Errors of one cell: error (2, L) as in ``ForceLaws``."""
 
     participant: str
     specimen: str

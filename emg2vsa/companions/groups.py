@@ -197,7 +197,7 @@ def pair_tests(
 
 
 def _hedges(groups: GroupTests, first: Ints, second: Ints, confidence: float) -> tuple[Floats, Floats, Floats]:
-    """From the t of the two groups alone: their own SDs, not that of all groups."""
+    """Hedges' g from the t of the two groups alone: their own SDs, not that of all groups."""
     count, mean, sd = groups.anova.count, groups.anova.offset, groups.sd
     n1, n2 = count[:, first], count[:, second]
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -27,16 +27,17 @@ from emg2vsa.statistics.clusters import Names, in_order
 from emg2vsa.statistics.mean_vector import MeanVector, mean_vector
 
 MATTERS = 0.01
-"Of the level: a distance from the law, root mean square over the force range, that is told."
+"Least distance from the law that is told: root mean square over the force range, as a share of the level."
 _SMALL_P = 0.001
 _DEGREE, _LAW_TAKES = 4, 2
 _REACHED = 0.75
-"Of the force bins, that a press must have, and at least one more than it has coefficients."
+"Share of the force bins that a press must have. It must also have one bin more than the law has coefficients."
 
 
 @dataclass(frozen=True, eq=False)
 class CellMisfit:
-    """Of a person's R presses on a specimen: shapes (L, R, 3), shares of ``level_v``, by law in the order of ``LAWS``.
+    """Misfit of a person's R presses on a specimen: shapes (L, R, 3), shares of ``level_v``, by law in the order of
+    ``LAWS``.
 
     beside (B,) : monotone spline less logarithm in each force bin, share of the level; NaN where there are no data
     or it was not asked for.
@@ -92,7 +93,7 @@ class LawMisfits:
     together: tuple[Misfit, ...]
 
     def of(self, law: int, person: int) -> Misfit:
-        """Of one person."""
+        """Misfit of one person."""
         return Misfit(*(float(each[law, person]) for each in (self.share, self.low, self.high, self.p)))
 
     def nearest(self, person: int | None = None) -> str:
@@ -179,7 +180,7 @@ def _largest(cells: list[CellMisfit]) -> tuple[float, float]:
 def _cell(
     participant: str, specimen: str, force_n: Floats, v: Floats, edges_n: Floats, spline: bool
 ) -> CellMisfit | None:
-    """Of presses (R, B)."""
+    """Misfit of presses (R, B)."""
     there = np.isfinite(v) & (force_n > 0)
     whole = np.count_nonzero(there, axis=1) >= max(_REACHED * v.shape[1], _DEGREE + 2)
     there = there[whole]

@@ -16,7 +16,7 @@ from emg2vsa.statistics.hierarchy import ENOUGH, recording_means
 
 @dataclass(frozen=True, eq=False)
 class PersonSlopes:
-    """Of c recordings, participant by participant, specimen by specimen; (c,) each, in the unit of b.
+    """Slopes of c recordings, participant by participant, specimen by specimen; (c,) each, in the unit of b.
 
     mean, low, high : b; NaN without presses. The interval holds how presses differ, pooled over all recordings, the
     errors of corrections, and b without the bias that is left. presses : that count.
@@ -55,7 +55,9 @@ class PersonSlopes:
 
 
 def person_slopes(fits: Fits, use: str) -> PersonSlopes:
-    """Of the trials that ``use`` admits, in the order they were made, within visits; a recording without one has 0."""
+    """Slopes by the trials that ``use`` admits, in the order they were made, within visits; a recording without one has
+    0.
+    """
     admitted = usable(fits, use)
     fits = within_visits(fits, admitted)
     middle_v = (fits.v_min_v + fits.v_max_v) / 2

@@ -16,7 +16,7 @@ from emg2vsa.statistics.clusters import Names, clusters_of, in_order
 
 @dataclass(frozen=True, eq=False)
 class VisitDifferences:
-    """Of c pairs of a specimen and a later visit; (c,) each, in the unit of b.
+    """Differences of c pairs of a specimen and a later visit; (c,) each, in the unit of b.
 
     mean, low, high : b at the visit less b at the first, mean over people who have both and its interval by Student's
     t over people; NaN with too few. sd : of these differences; what one visit leaves open of a person is sd / sqrt 2.
@@ -32,7 +32,7 @@ class VisitDifferences:
 
 
 def visit_differences(fits: Fits, use: str, visits: Sequence[str], confidence: float) -> VisitDifferences:
-    """Of the presses that ``use`` admits. visits : labels in order."""
+    """Differences by the presses that ``use`` admits. visits : labels in order."""
     admitted, names = usable(fits, use), in_order(fits.specimen)
     tables = [clusters_of(fits.participant, fits.specimen, fits.b_v, admitted & (fits.visit == own)) for own in visits]
     means = np.array([mean_of(each.values) for each in tables])  # (visits, people, specimens)

@@ -25,7 +25,7 @@ TOLERANCES = (
 
 Measured over instruction sets of NumPy, OpenBLAS, OpenCV and libm: docs/decisions/0031-processors.md."""
 OF_RUNS, OF_PEOPLE = 1e-2, 1e-9
-"Of the cells of tables."
+"Tolerances of the cells of tables."
 
 Value = str | int | float | bool | None
 Quantities = Mapping[str, Value]
@@ -76,7 +76,7 @@ def tolerance_of(key: str) -> float:
 
 
 def relative_difference(one: Value, other: Value) -> float | None:
-    """Of two numbers, by the larger; None where either is none, or not defined."""
+    """Difference of two numbers relative to the larger; None where either is none, or not defined."""
     if not all(isinstance(each, (int, float)) and not isinstance(each, bool) for each in (one, other)):
         return None
     a, b = float(one), float(other)  # type: ignore[arg-type]

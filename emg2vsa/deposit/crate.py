@@ -18,7 +18,7 @@ SPECIFICATION = "https://w3id.org/ro/crate/1.1"
 CONTEXT = [f"{SPECIFICATION}/context", {"sha256": "https://w3id.org/ro/terms/workflow-run#sha256"}]
 """RO-Crate 1.1 has no word for a checksum; the one of Workflow Run RO-Crate is declared beside its own."""
 SOURCES = ("study.toml", "rig.toml", "registration.json")
-"""What the run took of the package itself."""
+"""Files of the package itself that the run took."""
 UNPUBLISHED = "1980-01-01"
 """Stands for the date of publication, which the specification demands, until the author says it."""
 UNLICENSED = "No licence has been chosen yet; all rights remain with the authors."

@@ -76,7 +76,7 @@ def _about(found: Mapping[str, object]) -> str:
 
 
 def _from_report(plan: StepPlan) -> dict[str, bytes]:
-    """What the report wrote that is not for screens, and its figures as PDF, which only a paper needs."""
+    """Files of the report that are not for screens, and its figures as PDF."""
     paths = [path for path in plan.files("report") if path.suffix not in _FOR_SCREENS]
     files = {Path(os.path.relpath(path, plan.study.reports)).as_posix(): path.read_bytes() for path in paths}
     with tempfile.TemporaryDirectory() as folder:

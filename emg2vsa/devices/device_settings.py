@@ -37,12 +37,13 @@ class ActuatorSettings:
     """An actuator of any kind."""
 
     kind: str
-    "Of the device; each kind has keys of its own."
+    "Kind of the device; each kind has keys of its own."
     port: Text | None = None
     "Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3. Omitted: only the emulated rig can run."
     serial_number: Text | None = None
-    """As emg2vsa rig info prints it; another device on the port is refused before anything moves. Of a device that
-    tells none: that of its USB adapter."""
+    """Serial number as emg2vsa rig info prints it; another device on the port is refused before anything moves. Of a
+    device that tells none: that of its USB adapter.
+    """
     id: Annotated[int, Ge(0), Le(255)] = 1
     "Device id, as emg2vsa rig scan lists it."
     baud: Annotated[int, Gt(0)] = 2_000_000
@@ -58,7 +59,7 @@ class ActuatorSettings:
 
     @property
     def full_preset(self) -> float | None:
-        """In the joint's own unit; None where [rig] or the device says it."""
+        """Full preset in the joint's own unit; None where [rig] or the device says it."""
         return None
 
     @property
@@ -72,9 +73,9 @@ class ForceSettings:
     """The force sensor under the specimen, of any kind."""
 
     kind: str
-    "Of the device; each kind has keys of its own."
+    "Kind of the device; each kind has keys of its own."
     serial_number: Text | None = None
-    "As emg2vsa rig info prints it, of a Net F/T box its calibration's; another sensor is refused."
+    "Serial number as emg2vsa rig info prints it, of a Net F/T box its calibration's; another sensor is refused."
     bias: bool = False
     "true: the load on the sensor when a run begins becomes its zero; needed where the sensor has no zero of its own."
 
@@ -84,9 +85,9 @@ class CameraSettings:
     """The tactile camera, of any kind."""
 
     kind: str
-    "Of the device; each kind has keys of its own."
+    "Kind of the device; each kind has keys of its own."
     serial_number: Text | None = None
-    "As emg2vsa rig info prints it, where the kind tells one; another camera is refused."
+    "Serial number as emg2vsa rig info prints it, where the kind tells one; another camera is refused."
     height: Annotated[int, Gt(0)] = SHAPE[0]
     "Rows of the frames that are kept, pixels."
     width: Annotated[int, Gt(0)] = SHAPE[1]
@@ -94,7 +95,7 @@ class CameraSettings:
     rate_hz: Positive = RATE_HZ
     "Frames kept a second; a faster camera is thinned out."
     delay_s: Annotated[float, Ge(0), Le(0.5)] = 0.0
-    "From exposure to arrival, as rig camera-delay measures it; frames are timed so much earlier."
+    "Time from exposure to arrival, as rig camera-delay measures it; frames are timed so much earlier."
 
 
 def alike(channels: Mapping[str, str], spelt: Callable[[str], str] = str) -> Iterator[Wrong]:

@@ -36,7 +36,7 @@ class Export(NamedTuple):
 
 
 def joint_names() -> tuple[str, ...]:
-    """Of every joint that schedules can be made for, those of other packages last."""
+    """Names of every joint that schedules can be made for, those of other packages last."""
     return tuple(name for _, kind in each_kind("actuator") for name in kind.joints)
 
 

@@ -83,14 +83,14 @@ class ForceCounts(NamedTuple):
     """What has come from a force sensor since it was started, and what has not; all are numbers of records."""
 
     records: int = 0
-    "That came in their order."
+    "Records that came in their order."
     lost: int = 0
-    "That had not come when a later one did, less those that came late after all."
+    "Records that had not come when a later one did, less those that came late after all."
     late: int = 0
-    "That came after a later one; their force is not used."
+    "Records that came after a later one; their force is not used."
     duplicated: int = 0
     refused: int = 0
-    "That make no sense: of a wrong length, or numbered more than a second away from the newest."
+    "Records that make no sense: of a wrong length, or numbered more than a second away from the newest."
 
 
 class Rating(NamedTuple):
@@ -185,7 +185,7 @@ class Measurements(NamedTuple):
     """Encoder readings, degrees of the joint."""
 
     motors_deg: tuple[float, ...]
-    "Of each motor, connected or not."
+    "Position of each motor, connected or not."
     shaft_deg: float
     "Motor 1's where the shaft has no encoder of its own."
 
@@ -199,7 +199,7 @@ class Joint(Protocol):
 
     @property
     def name(self) -> str:
-        """Of the model, as a study and its schedules name it."""
+        """Name of the model, as a study and its schedules write it."""
 
     @property
     def full_preset(self) -> float:
@@ -273,7 +273,7 @@ class Actuator(Protocol):
 
     @property
     def joint(self) -> Joint | None:
-        """Of the device, once it is known, or of the model it stands for."""
+        """Joint of the device, once it is known, or of the model that it stands for."""
 
     def activate(self) -> None:
         """Motors on, where they are."""

@@ -58,7 +58,7 @@ class StreamCounts(NamedTuple):
 
 
 class SourceBase:
-    """Of a source of its own: what it states of its stream is known once it has been started."""
+    """A source with a stream of its own. What the source states of the stream is known once it has been started."""
 
     _info: StreamInfo | None = None
     _where: str

@@ -22,7 +22,7 @@ from emg2vsa.discrimination.separation import (
 
 @dataclass(frozen=True, eq=False)
 class ConditionComparison:
-    """Of D designs, over the ``specimens`` pressed in every one, the new one included.
+    """Conditions compared in D designs over the ``specimens`` pressed in every one, the new one included.
 
     gaps : (D,) d' of the ``pair`` of specimens that lies closest. press_sd : (D,) SD of ln CASR of a press within its
     mounting. human, other : (q,) numbers of the designs compared, the human-like condition with another at the same

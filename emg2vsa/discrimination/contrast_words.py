@@ -79,7 +79,7 @@ def _of_measure(found: Discrimination, contrast: Contrast) -> Iterator[str]:
 
 
 def _why(found: Discrimination, contrast: Contrast, i: int, *, once: bool) -> str:
-    """What the comparison ``i`` lacks, and what it is all the same."""
+    """Reason why comparison ``i`` is weak, and what it says all the same."""
     if not np.isfinite(contrast.changes.at(i)).all():
         return ", as presses with a score are missing"
     order = found.drift.order

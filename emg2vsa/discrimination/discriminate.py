@@ -37,7 +37,7 @@ from emg2vsa.statistics.factorial import Factorial, factorial
 
 @dataclass(frozen=True)
 class AlgorithmComparison:
-    """Of A algorithms in D designs; (A, D) unless said, over the ``specimens`` pressed in every design.
+    """A algorithms compared in D designs; (A, D) unless said, over the ``specimens`` pressed in every design.
 
     names : (A,), the one that is tested first, then the old one. area : (A, D, S) mean A_c0. area_ratio : to that of
     the first, mean of presses. area_error, area_error_sd : A_c0 over its truth less 1, mean and SD of presses; NaN

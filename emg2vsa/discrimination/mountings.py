@@ -67,7 +67,7 @@ class CellSum:
 
     @property
     def p(self) -> float:
-        """Of no difference; NaN where part of the error was assumed, or may be drift."""
+        """p of no difference; NaN where part of the error was assumed, or may be drift."""
         if self.known_sd or self.drift or not self.error > 0:
             return np.nan
         return 2 * float(special.stdtr(self.df, -abs(self.estimate) / self.error))
@@ -110,7 +110,7 @@ class Mountings:
 
     @classmethod
     def of(cls, scores: Floats, mounting: Ints, assumed_sd: float, place: Floats | None = None) -> Mountings:
-        """From scores and numbers of mountings (from 1; 0: no press), both (D, S, R).
+        """Mountings from scores and numbers of mountings (from 1; 0: no press), both (D, S, R).
 
         Scores that are not above 0 have no logarithm and are left out. ValueError where shapes differ, or where a
         score has no mounting.
@@ -169,7 +169,8 @@ class Mountings:
 
     @cached_property
     def drift(self) -> Drift:
-        """Of ln score by place: told by mountings of the same cell; where there are none, by designs and specimens.
+        """Drift of ln score by place: told by mountings of the same cell; where there are none, by designs and
+        specimens.
 
         Mountings of the same number are a round, and only places within rounds tell: drift may start anew in each, and
         rounds in the same order tell nothing of it.
@@ -282,7 +283,7 @@ def _error(
 
 
 def _welch_df(share: Floats, of_cell: Floats, df: Ints) -> float:
-    """Of a sum of means with variances of their own, ``share`` times that of the cell.
+    """Degrees of freedom of a sum of means with variances of their own, ``share`` times that of the cell.
 
     The estimated degrees of freedom (Welch 1947, Satterthwaite 1946) are too many where a cell of few mountings happens
     to scatter little: those of equal scatter bound them.

@@ -58,7 +58,7 @@ class RunTable:
         return [i for i, name in enumerate(self.conditions) if name == condition]
 
     def unscored(self, design: int, specimens: Sequence[str]) -> list[str]:
-        """Which of ``specimens`` have no press with a CASR in a design."""
+        """Those of ``specimens`` that have no press with a CASR in a design."""
         values = self.casr[self.algorithm][design]
         return [name for name in specimens if not np.isfinite(values[self.specimens.index(name)]).any()]
 

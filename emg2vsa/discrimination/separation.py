@@ -41,7 +41,9 @@ class Gaps:
 
 
 def gaps_of(mountings: Mountings, pair: tuple[int, int], confidence: float) -> Gaps:
-    """Of a pair of specimens in every design; NaN without two presses of a mounting, or where they do not scatter."""
+    """Gap of a pair of specimens in every design; NaN without two presses of a mounting, or where they do not
+    scatter.
+    """
     designs = range(len(checked(mountings).own))
     return Gaps(*columns([gap_of(mountings, design, pair, confidence) for design in designs]))
 

@@ -33,7 +33,7 @@ class SealedFile:
         self._writer, self._system = writer, writer.system
         self._pending: list[bytes] = []
         self._written_bytes = 0
-        "Of ``_pending``, what the system has taken."
+        "Bytes of ``_pending`` that the system has taken."
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._handle = self._system.open(path)

@@ -22,7 +22,7 @@ from emg2vsa.errors import DeviceError
 LARGEST_QUEUE = 2000
 """Writes that may wait: five seconds of a run with all its frames and forces, some 20 MB."""
 LARGEST_WAITING_BYTES = 64_000_000
-"""Of pieces that are kept: two minutes of 64 channels at 2000 Hz. Those beyond are given up."""
+"""Most bytes of pieces that are kept: two minutes of 64 channels at 2000 Hz. Those beyond are given up."""
 DISK_TROUBLE = "The disk does not take the recording"
 """How the sentence of `Writer.trouble` begins."""
 _AGAIN_S = 0.5
@@ -60,12 +60,12 @@ class Writer:
         self.system = system
         self.sealed_files: list[_Sealed] = []
         self.trouble = ""
-        "What the disk refuses, in a sentence; empty while it takes everything."
+        "Sentence on what the disk refuses; empty while it takes everything."
         self.sealed_lines = 0
         "Lines that have reached the disk itself."
         self._asked: SimpleQueue[_Write | None] = SimpleQueue()
         self._taken: deque[_Write] = deque()
-        "Of what was asked for, what the worker has taken over and not done."
+        "Writes that the worker has taken over and not done."
         self._asking = threading.Lock()  # of those who ask; the worker never holds it
         self._asked_bytes = self._done_bytes = 0
         self._refused: deque[BaseException] = deque()

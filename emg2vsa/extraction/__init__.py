@@ -31,7 +31,7 @@ class Trials:
     specimen: str
     muscles: tuple[str, ...]
     repetition: Ints
-    "From 1, in time order."
+    "Number of the press, from 1, in time order."
     start_s: Floats
     "Last rise through the lower force before the upper force is first reached."
     stop_s: Floats
@@ -73,7 +73,7 @@ class Trials:
     bias: BiasBudget
     "What moves a and b of each press away from the muscle's, cause by cause."
     traits: Traits
-    "What the recording is like, to compare it with others of its study."
+    "Traits of the recording, to compare it with others of its study."
     notes: tuple[str, ...]
     "What was run and must be said: Nyquist rule, true -3 dB frequencies, delays, conversions, tare, presses."
     lag_s: float = math.nan

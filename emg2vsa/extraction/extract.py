@@ -175,7 +175,7 @@ def _said_of_presses(
     force: Channel, conditioned: ForceRecord, clean: Cleaned, times: Timeline, found: PressEnvelopes, bias: BiasBudget,
     envelope_fs_hz: float, window: WindowSettings,
 ) -> list[tuple[tuple[bool, str], ...]]:  # fmt: skip
-    """Of each press what is said about it, and whether that rejects it."""
+    """For each press what is said about it, and whether that rejects it."""
     lag, differ = clean.lag, rests_differ(found.resting_v, times.resting, envelope_fs_hz)
     # where clocks differ by more, the rests of EMG are not those of force
     tense = tension(found.resting_v, times.resting) if differ and abs(lag.lag_s) < LARGE_LAG_S else 1.0

@@ -114,7 +114,7 @@ def of_lag(
     left = lag if lag.certain and not moved_s else Lag(0.0, 0.0)
 
     def change(lag_s: float) -> tuple[Floats, Floats]:
-        """Of a and b where activity is paired with a force that is so late."""
+        """Change of a and b where activity is paired with a force that is so late."""
         ahead = replace(force_clock, start_s=force_clock.start_s - lag_s)
         late_n = force_at(conditioned.force_n, instants, emg_clock, ahead)
         x, y = np.log(np.maximum(force_n, 1e-9)), np.log(np.maximum(late_n, 1e-9))

@@ -12,7 +12,7 @@ from emg2vsa.figures.canvas import panel_grid
 from emg2vsa.figures.palette import INK, Look
 
 _POINTS = 80
-"""Of a curve that are drawn, about."""
+"""Points of a curve that are drawn, about."""
 
 
 def draw_plates(plates: PlateTests, names: Sequence[str], looks: Mapping[str, Look]) -> Figure:

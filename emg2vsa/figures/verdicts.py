@@ -19,14 +19,14 @@ COLOURS: dict[Verdict, str] = {"holds": GREEN, "refuted": RED, "not determined":
 _WORDS_IN: dict[Verdict, str] = {"holds": GOOD, "refuted": BAD, "not determined": MUTED}
 _MARKERS: dict[Verdict, str] = {"holds": "o", "refuted": "X", "not determined": "D"}
 _LOW, _HIGH = -12.0, 40.0
-"""Of the axis; an interval that goes on beyond it ends in an arrow."""
+"""Ends of the axis; an interval that goes on beyond it ends in an arrow."""
 _TICKS = (-10, -2, -1, 0, 1, 2, 10, 30)
 _WIDTH_MM, _ROW_MM = 100.0, 6.4
 """A telephone shows the whole width."""
 _LETTERS = 76
-"""Of a claim; longer ones end in an ellipsis."""
+"""Most letters of a claim; longer ones end in an ellipsis."""
 _WORDS, _LINE = -0.2, 0.25
-"""Of a row: where its words and its interval lie."""
+"""Places in a row of its words and its interval."""
 
 
 def draw_verdicts(judged: Sequence[Judged]) -> Figure:

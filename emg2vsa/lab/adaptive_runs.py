@@ -27,7 +27,7 @@ from emg2vsa.rig_file.plans import Run, chosen_runs
 
 @dataclass(frozen=True)
 class Believed:
-    """Of kappa, N/mm: its median, and the interval that it lies in by the confidence of the calibrations."""
+    """Belief in kappa, N/mm: its median, and the interval that it lies in by the confidence of the calibrations."""
 
     kappa_n_per_mm: float
     low_n_per_mm: float
@@ -73,7 +73,7 @@ def next_presses(
 
 
 def believed(calibrations: Sequence[OnlineCalibration], done: Mapping[int, Done]) -> Believed:
-    """Of kappa, from what the calibrations (by index) have said so far."""
+    """Belief in kappa from what the calibrations (by index) have said so far."""
     found = belief(calibrations, done)
     return Believed(found.middle, *found.interval(calibrations[0].settings.confidence))
 

@@ -39,7 +39,7 @@ _RISE_N = 0.5
 _LEFT_N = 0.2
 _WAIT_S = 0.2
 _SHORT_MM = 0.2
-"""Of a move, from which on it fell short: friction holds a shaft under soft springs, or something is in its way."""
+"""Shortfall from which on a move fell short: friction holds a shaft under soft springs, or something is in its way."""
 Force = tuple[float, float, float]
 
 

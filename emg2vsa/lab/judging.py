@@ -26,7 +26,7 @@ _SAME_DEG = 1e-6
 
 @dataclass(frozen=True)
 class Judging:
-    """Of the stiffness kappa while the finger presses; without a calibration presses are not judged.
+    """Judging the stiffness kappa while the finger presses; without a calibration presses are not judged.
 
     calibrations : files of emg2vsa run, one for each angle and condition that is pressed.
     stop_at : a press ends its loading when the 95 % interval of kappa reaches no more than this share of kappa to
@@ -178,7 +178,7 @@ def _of_run(run: Run, opened: Mapping[Path, OnlineCalibration]) -> tuple[Path, O
 
 
 def _emulated_camera(file: RigFile, run: Run) -> Camera:
-    """What the emulated rig sees a specimen with."""
+    """Camera with which the emulated rig sees a specimen."""
     assert file.emulated is not None
     rigid, clock = run.condition == RIGID, VirtualClock()
     bench = EmulatedRig(file.emulated, run.specimen, run.angle_deg, rigid, clock, rig=file.rig)

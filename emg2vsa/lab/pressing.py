@@ -103,7 +103,7 @@ UNSAFE = (
     "with emg2vsa rig off {rig}, take the probe away with emg2vsa rig home {rig}, and look at ended.json before you "
     "give the same command again."
 )
-"""Of a run among others, which end with it."""
+"""Message of a run that ends a sequence."""
 
 
 @dataclass(frozen=True)
@@ -216,7 +216,7 @@ _TOLD = (
     "force_to_n", "activity_v", "stiffness_percent", "stiffness_low_percent", "stiffness_high_percent",
     "stiffness_nm_per_rad",
 )  # fmt: skip
-"""Of a step; what is left says when it begins, and what the actuator is sent."""
+"""Columns of a step that only inform; the others say when it begins, and what the actuator is sent."""
 
 
 def check_same_presses(runs: Path, name: str, plan: RunPlan, rig: RigSettings, *, emulated: bool) -> None:
@@ -277,7 +277,7 @@ def dry_run(file: RigFile, runs: Sequence[Run] = ()) -> dict[Run, DryRun | str]:
 
 
 def limits(file: RigFile) -> dict[str, str]:
-    """Of the rig file, in words."""
+    """Limits of the rig file, in words."""
     rig = file.rig
     way_deg = rig.position_at(rig.travel_mm) - rig.home_deg
     return {

@@ -134,7 +134,7 @@ def force_count(file: RigFile, opened: OpenRig) -> int | None:
 
 
 def _proof(file: RigFile, condition: Condition, opened: OpenRig) -> WatchdogProof | None:
-    """That of the watchdog of this very device."""
+    """Proof of the watchdog of this very device."""
     name, board = "motor" if condition == RIGID else "actuator", board_settings(file.devices, condition)
     proof = read_proofs(file.path).get(name)
     return proof if proof and proof.is_of(opened.info, opened.rig.full_preset, board.watchdog_s) else None

@@ -31,7 +31,7 @@ from emg2vsa.session.views import DeviceView, OperatorState, ParticipantState
 from emg2vsa.study import Study
 
 _DIGIT_S = 1e-6
-"""Of a time in the journal."""
+"""Last digit of a time in the journal."""
 _OLDER = (
     "The journal is of an earlier version, which did not write the force before START, the lost samples and the page "
     "of each press. A verdict that rests on them cannot be made again."
@@ -181,7 +181,7 @@ class _Replay:
         self._judge = JudgeAtOnce()
         self._streams: dict[str, StoredStream] = {}
         self._first: dict[str, int] = {}
-        "Of each stream the first sample of the stay."
+        "First sample of the stay, by stream."
         self._lost: dict[str, int] = {}
         self._ended_s = self._zero_n = 0.0
 

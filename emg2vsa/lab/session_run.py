@@ -49,7 +49,7 @@ class Pages:
 
 
 class Addresses(NamedTuple):
-    """Of the two pages. on_network : other computers can reach them."""
+    """Addresses of the two pages. on_network : other computers can reach them."""
 
     operator: str
     participant: str

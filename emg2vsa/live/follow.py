@@ -46,22 +46,22 @@ class Snapshot:
     """One moment."""
 
     folder: str
-    "That is followed."
+    "Folder that is followed."
     run: RunFacts | None = None
     "None while there is no run."
     curves: Curves = field(default_factory=Curves)
     phase: str = ""
     repetition: int = 0
-    "From 1; 0 before the first press."
+    "Number of the press, from 1; 0 before the first press."
     presses_done: int = 0
     largest_n: float = 0.0
     "Largest force of the run along push_axis, of either sign, N."
     largest_across_n: float = 0.0
     "Largest force of the run across it."
     turns: int = 0
-    "Of the control loop, since somebody watches."
+    "Turns of the control loop since somebody watches."
     late_turns: int = 0
-    "Of these."
+    "Turns that were late."
     latest_ms: float = 0.0
     "Largest delay of one of these."
     frame: str = ""

@@ -17,10 +17,10 @@ from emg2vsa.rig.rig_settings import RigSettings, axis_of
 
 @dataclass(frozen=True)
 class RunFacts:
-    """From plan.json."""
+    """Facts of a run from plan.json."""
 
     name: str
-    "Of its folder."
+    "Name of its folder."
     specimen: str
     angle_deg: float
     condition: str
@@ -28,10 +28,10 @@ class RunFacts:
     f_contact_n: float
     f_max_n: float
     force_limit_n: float
-    "Of the guard."
+    "Limit of the guard."
     travel_mm: float
     full_preset: float
-    "In the unit of the log's rows: springs degrees, a gain N m/rad."
+    "Full preset in the unit of the log's rows: springs degrees, a gain N m/rad."
     stiffness_nm_per_rad: tuple[float, ...]
     "At zero load, of presets of 0, 1, ... 100 % of the full one; none under the rigid motor."
     stiffness_percent: tuple[float, float]
@@ -39,7 +39,7 @@ class RunFacts:
     emulated: bool
     "No hardware takes part."
     over_bytes: bool
-    "As a driver of hardware speaks; False where those of an emulated rig skip the wire."
+    "Whether the drivers speak as those of hardware do; False where those of an emulated rig skip the wire."
 
 
 def read_run(folder: Path) -> tuple[RunFacts, RigSettings]:

@@ -25,16 +25,17 @@ _OPERATOR_PERIOD_S = 0.05
 _SILENT_S = 0.5
 """After so long without news the operator's page is told that there is a connection."""
 MOST_VIEWERS = 6
-"""Of each page at once. A page that is opened again leaves its place. A further one takes the place of the one that has
-been silent for longest, and is refused where none has been for `_GONE_S`."""
+"""Most viewers of each page at once. A page that is opened again leaves its place. A further one takes the place of the
+one that has been silent for longest, and is refused where none has been for `_GONE_S`.
+"""
 _GONE_S = 3.0
 """A participant's page tells of itself every second; an operator's takes what it is sent."""
 _LARGEST_MS, _MOST_COMMANDS = 5000.0, 20
-"""Of a delay that a page tells of itself, and of new commands in one report."""
+"""Largest delay that a page may tell of itself, and most new commands in one report."""
 _LARGEST_BODY = 10_000
 _LARGEST_FIGURE = 1e9
 _PAGE = "page"
-"""In the addresses that a participant's page asks for: which of them it is."""
+"""Key in the addresses that a participant's page asks for: which page it is."""
 _MORE = ("width", "height", "pixel_ratio", "messages", "full_screen")
 """What the participant's page may say of its screen beyond its figures."""
 _PAGES = Path(__file__).parent / "page"

@@ -95,14 +95,14 @@ class KappaView:
 
     repetition: int
     presses: int
-    "That count in the newest interval."
+    "Presses that count in the newest interval."
     force_n: Column = field(default_factory=list)
     kappa_n_per_mm: Column = field(default_factory=list)
     low_n_per_mm: Column = field(default_factory=list)
     high_n_per_mm: Column = field(default_factory=list)
     "None where the specimen may be rigid."
     half_width: float | None = None
-    "Of the newest interval, as a share of kappa."
+    "Half width of the newest interval, as a share of kappa."
     stop: str = ""
     "Why the press was stopped; empty for a whole one."
     stop_n: float | None = None

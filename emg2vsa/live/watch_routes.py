@@ -25,7 +25,7 @@ from emg2vsa.rig.record.press_recorder import newest_page
 STOP_REASON = "STOP on the live page"
 _PERIOD_S = 0.05
 _QUALITY = 90
-"""Of the JPEG; to be looked at, not measured."""
+"""Quality of the JPEG; to be looked at, not measured."""
 _PAGES = Path(__file__).parent / "page"
 
 
@@ -169,7 +169,7 @@ def newest_frame(run: Path) -> bytes | None:
 
 @lru_cache(maxsize=4)
 def _jpeg(frames: Path, size_bytes: int) -> bytes | None:
-    """Of the newest page; made once for all who look while the file has this size."""
+    """JPEG of the newest page, made once for all who look while the file has this size."""
     image = newest_page(frames)
     if image is None:
         return None

@@ -17,9 +17,9 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
 
 POINTS = 4
-"Of an edge, at Gauss's places."
+"Points of an edge, at Gauss's places."
 SOFT_MM = 2e-4
-"""Over which a point's pressure begins to grow with the overlap: without it points touch and leave in turn for ever."""
+"""Overlap within which a point's pressure begins to grow: without it points touch and leave in turn for ever."""
 
 
 def shapes(at: Array) -> Array:
@@ -85,7 +85,7 @@ class Contact:
         self.size = len(self._nodes)
 
     def arcs(self, arc: Array) -> Array:
-        """Of the points, from that of the nodes of the skin (n,)."""
+        """Arc of the points, mm, from that of the nodes of the skin (n,)."""
         return np.asarray(np.stack([arc[:-2:2], arc[1:-1:2], arc[2::2]], axis=1) @ self._value[:, :POINTS]).ravel()
 
     def opposite(self, moved: Array, kept: Opposite | None = None) -> Opposite:

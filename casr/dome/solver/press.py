@@ -18,11 +18,11 @@ USUAL_RADIUS_MM, USUAL_MODULUS_MPA = 20.0, 0.07
 """All is solved in the units in which the dome has this radius, and its gel with the skin's share of it this modulus:
 lengths below are of that dome, and domes that differ in size or modulus alone have one solution."""
 PENALTY_N_PER_MM3, PENALTY_SHARE = 28.0, 80.0
-"At most, and in moduli of the specimen over the size of an element."
+"Largest penalty, and the usual one in moduli of the specimen over the size of an element."
 LONGEST_MM, SHORTEST_MM, FIRST_SHARE, GROWTH = 0.12, 1e-3, 1 / 12, 1.1
 "Steps of the depth; the first, as a share of the longest."
 MOST_RISE = 0.1
-"Of the force that is to be reached, in one step."
+"Largest rise in one step, as a share of the force that is to be reached."
 _TURNS, _CLOSE = 30, 1e-8
 _FREE, _SHORTENED, _FLAT = 4, 8, 0.5
 _MOST = 0.6
@@ -32,9 +32,9 @@ _FINE_TO, _EDGE_MM = 0.9, 1.5
 _PRESSURES = 3
 "Times that a step is solved again with the pressures that it gave, which limit Coulomb's friction."
 DEEPEST = 0.6
-"Of the radius, that the flange moves."
+"Deepest way of the flange, as a share of the radius."
 DONE_SHARE = 1.02
-"Of the largest force, that the last step reaches."
+"Force of the last step, as a share of the largest force asked for."
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Pressing:
 
 
 LENGTHS = ("depth_mm", "contact_radius_mm", "edge_arc_mm", "s_mm", "u_r_mm", "u_z_mm")
-"Of ``Pressed``."
+"Names of the lengths of ``Pressed``."
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +145,9 @@ class _World:
     def forces(
         self, moved: Array, grip: Grip, kept: Opposite | None = None
     ) -> tuple[Array, float, Opposite, Callable[[], Array]]:
-        """On all nodes (2 N,), of contact along the axis, what is opposite, and what solves for the free ones."""
+        """Forces on all nodes (2 N,), the contact force along the axis and its opposite, and the solver for free
+        nodes.
+        """
         force, values = self.bodies.resistance(moved)
         of = self.contact.opposite(moved, kept)
         _, dofs, pushing, bent = self.contact.resistance(of, grip)

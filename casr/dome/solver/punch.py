@@ -19,7 +19,9 @@ _ELEMENTS = (10, 20)
 
 @cache
 def punch_on_block_mm(radius_mm: float, height_mm: float, poisson: float) -> float:
-    """Of a cylinder bonded to a rigid plate. The punch is half as wide as a specimen of less than 20 mm radius."""
+    """Length kappa/E, mm, of a punch on a cylinder bonded to a rigid plate. The punch is half as wide as a specimen of
+    less than 20 mm radius.
+    """
     coarse, fine = (_on_mesh(radius_mm, height_mm, poisson, count) for count in _ELEMENTS)
     return 2 * fine - coarse
 

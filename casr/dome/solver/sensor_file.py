@@ -75,7 +75,7 @@ def _is_word(value: Any) -> bool:
 
 
 def _called(value: Any) -> str:
-    """In the name of a table."""
+    """The specimen as the name of a table writes it."""
     return value if isinstance(value, str) else f"{value:g}"
 
 
@@ -130,7 +130,7 @@ class Case:
 
     @property
     def digest(self) -> str:
-        """Of all that the solution depends on, and of the solver."""
+        """Digest of all that the solution depends on, and of the solver."""
         said = json.dumps([asdict(self.pressing), self.stiffness_n_per_mm, self.stiffness_by], sort_keys=True)
         return hashlib.sha256(said.encode() + _solver()).hexdigest()
 

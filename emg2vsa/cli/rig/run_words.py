@@ -27,7 +27,7 @@ _MOST_PRESSES = 30  # of more, those that are ok are counted
 
 
 def tell_left(file: RigFile, root: Path) -> None:
-    """Of runs that version 0.1.0 emulated."""
+    """Tell the user of runs that version 0.1.0 emulated."""
     if root == file.runs and not file.leads_to_emulated and (left := left_by_emulator(file.runs)):
         print(
             f"emg2vsa: {len(left)} folders in {file.runs} were made by the emulated rig of version 0.1.0 and do not "

@@ -16,7 +16,7 @@ from emg2vsa.settings import Ge, Le, Positive
 Model = Literal["xm430-w350", "xm430-w210", "xh430-w350", "xh430-w210", "xm540-w150", "xm540-w270"]
 Baud = Literal[9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000]
 ATTEMPTS = 3
-"Of each question."
+"Attempts of each question."
 REPLY_S = 0.016
 """Three attempts of it, and a turn of the loop before them, name a dead motor within 60 ms."""
 
@@ -33,7 +33,7 @@ class DynamixelSettings(ActuatorSettings):
     """Bits a second on the serial line. A motor leaves the factory with 57600, which is too slow for a loop of 200 Hz:
     set Baud Rate (8) to 3, which is 1000000, with DYNAMIXEL Wizard."""
     model: Model = "xm430-w350"
-    "As on its label. Another model has another stiffness at the same gain."
+    "Model as on the label. Another model has another stiffness at the same gain."
     full_gain: Annotated[int, Ge(1), Le(16383)] = 800
     "Position P Gain (84) at the full preset. A preset is a share of it."
     d_gain: Annotated[int, Ge(0), Le(16383)] = 0

@@ -58,7 +58,7 @@ class SdkPort:
         return len(packet)
 
     def setPacketTimeout(self, packet_length: int) -> None:
-        """From now on a reply is awaited."""
+        """Begin to wait for a reply."""
         self._until_s, self.silent = self._clock.now_s() + self._reply_s, False
 
     def isPacketTimeout(self) -> bool:

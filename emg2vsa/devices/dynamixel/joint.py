@@ -49,7 +49,9 @@ class GainJoint:
         return 0.0
 
     def stiffness_nm_per_rad(self, preset: ArrayLike) -> Floats:
-        """Of presets 0 to 1 (any shape), N m/rad: proportional to the gain (ROBOTIS e-Manual, Position PID Gain)."""
+        """Stiffness at presets 0 to 1 (any shape), N m/rad: proportional to the gain (ROBOTIS e-Manual, Position PID
+        Gain).
+        """
         return np.asarray(preset, dtype=np.float64) * self.full_preset
 
     def percent_for(self, stiffness_nm_per_rad: ArrayLike) -> Floats:

@@ -70,7 +70,7 @@ class Item(NamedTuple):
     fixed: str = ""
 
     def value(self, data: bytes) -> int:
-        """Of the bytes on the line; what can be negative is two's complement."""
+        """Value of the bytes on the line; what can be negative is two's complement."""
         return int.from_bytes(data, "little", signed=self in SIGNED)
 
     def data(self, value: int) -> bytes:
@@ -165,7 +165,7 @@ class DynamixelInfo:
     limits_pulses: tuple[int, int] = _told(MIN_POSITION)
     "Lowest and highest position; the motor itself keeps them only in position control, not in the mode of a run."
     pwm_limit: int = _told(PWM_LIMIT)
-    "Of 885."
+    "Limit of the PWM, of 885."
     current_limit_a: float = _told(CURRENT_LIMIT, lambda number: number * CURRENT_UNIT_A)
     startup: int = _told(STARTUP, new=True)
     shutdown: int = _told(SHUTDOWN)

@@ -11,7 +11,7 @@ from emg2vsa.devices.registry import Kind
 RDT_PORT = 49152
 """UDP port of the raw data of ATI's boxes."""
 INTERNAL_RATE_HZ = 7000
-"""Of a box's samples; it sends every one, or every second, third, ..."""
+"""Rate at which a box samples; it sends every one, or every second, third, ..."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -36,7 +36,7 @@ class Command(IntEnum):
     STREAM = 0x0002
     "One record a datagram."
     BUFFERED = 0x0003
-    "As many records a datagram as the box's RDT buffer size says."
+    "Command for as many records a datagram as the box's RDT buffer size says."
     BIAS = 0x0042
     "Present load becomes zero; not answered."
 
@@ -85,7 +85,7 @@ _WRAP = 2**32
 
 
 def steps(before: int, after: int) -> int:
-    """From one 32-bit number to another, forwards or backwards, whichever is shorter."""
+    """Steps from one 32-bit number to another, forwards or backwards, whichever is shorter."""
     return (after - before + _WRAP // 2) % _WRAP - _WRAP // 2
 
 

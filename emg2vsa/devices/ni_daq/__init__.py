@@ -34,7 +34,7 @@ class NiEmgSettings(EmgSettings):
     channels: Channels
     "Muscle role (EDC, FDS) to its input: Dev1/ai0."
     gain: Annotated[float, Ge(0.1), Le(1_000_000)] = 1.0
-    "Of the amplifier, by which volts are divided (Bagnoli: 100, 1000 or 10000)."
+    "Gain of the amplifier, by which volts are divided (Bagnoli: 100, 1000 or 10000)."
     fs_hz: Annotated[float, Ge(200), Le(100_000)] = 1000.0
     "Sampling rate."
     range_v: Annotated[float, Ge(0.01), Le(100)] = 5.0

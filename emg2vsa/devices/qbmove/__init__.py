@@ -13,10 +13,14 @@ from emg2vsa.devices.registry import Kind
 from emg2vsa.settings import Ge, Le, Positive
 
 Generation = Literal["v6", "v7"]
-"""Of a qbmove's firmware; they differ in acknowledgements, and in replies that do not fit one length byte."""
+"""Generation of a qbmove's firmware. Generations differ in acknowledgements, and in replies that do not fit one length
+byte.
+"""
 Model = Literal["maker-pro", "advanced"]
 Baud = Literal[2_000_000, 460_800]
-"""Of the serial line: that of generations 6 and 7, and that of generation 5 and of whoever sets it (SET_BAUDRATE)."""
+"""Rate of the serial line: that of generations 6 and 7, and that of generation 5 and of whoever sets it
+(SET_BAUDRATE).
+"""
 BAUD: Baud = 2_000_000
 DeviceId = Annotated[int, Ge(1), Le(255)]
 REPLY_S = 0.016
@@ -31,14 +35,15 @@ class _Board:
     """Serial port, as emg2vsa rig scan lists it: /dev/ttyUSB0, COM3; actuator and motor may share one where their ids
     differ. Omitted: only the emulated rig can run."""
     serial_number: Text | None = None
-    """As emg2vsa rig info prints it; another device on the port is refused before anything moves. Firmware before 7.1
-    tells none: then that of the USB adapter."""
+    """Serial number as emg2vsa rig info prints it; another device on the port is refused before anything moves.
+    Firmware before 7.1 tells none: then that of the USB adapter.
+    """
     id: DeviceId = 1
     "Device id, as emg2vsa rig scan lists it."
     baud: Baud = BAUD
     "Bits a second on the serial line; devices of generation 5 have 460800."
     generation: Generation = "v6"
-    "Of the firmware: the first digit of its version."
+    "Generation of the firmware: the first digit of its version."
     reply_s: Positive = REPLY_S
     "How long each of three attempts waits for a reply."
 

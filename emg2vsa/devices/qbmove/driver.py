@@ -34,7 +34,7 @@ from emg2vsa.errors import DeviceError
 ON, OFF = 3, 0
 _LONG_REPLY_S = 0.2
 _SETTLE_S = 0.005
-"""From ACTIVATE until GET_ACTIVATE tells: the 1 kHz loop hands the new state on once per turn."""
+"""Time from ACTIVATE until GET_ACTIVATE tells: the 1 kHz loop hands the new state on once per turn."""
 _ATTEMPTS = 3
 _READINGS = 5
 _WATCHDOG_STEPS_PER_S = 50
@@ -68,7 +68,7 @@ class Qbmove(Board):
         how long each of three attempts waits for a short reply."""
         self.device_id, self.generation, self.model, self.rigid = device_id, generation, model, rigid
         self.joint: SpringJoint | None = None
-        "Of the device, once its motors have been switched on."
+        "Joint of the device, once its motors have been switched on."
         self.where = f"{line.name}, qbmove {device_id}"
         self._line, self._talk = line, Conversation(line, clock)
         self.counts = self._talk.counts

@@ -50,7 +50,7 @@ class QbmoveInfo:
 
     @property
     def generation(self) -> str:
-        """As the rig file names it: v6, v7."""
+        """Generation as the rig file names it: v6, v7."""
         found = re.search(r"v\d+", self.firmware)
         return found.group() if found else "unknown"
 
@@ -134,7 +134,7 @@ class QbmoveLimits:
     where: str
     info: QbmoveInfo
     stiffness_percent: tuple[float, float]
-    "Of the device's maximum preset."
+    "Range of stiffness, percent of the device's maximum preset."
 
     def check_ready(self) -> None:
         """DeviceError unless position commands in wire ticks of 1/32768 turn will move the motors."""

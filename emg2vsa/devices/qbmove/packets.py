@@ -166,7 +166,7 @@ def ping_reply(device_id: int | None) -> Wanted:
 
 
 def acknowledgement(generation: Generation, device_id: int, command: Command) -> Wanted:
-    """Of a command that stores or sets: generation 6 names no command, but 1 (done) or 0 (failed)."""
+    """Acknowledgement of a command that stores or sets: generation 6 names no command, but 1 (done) or 0 (failed)."""
     if generation == "v7":
         return wanted(device_id, command, 1)
     return Wanted(device_id, frozenset((0, 1)), {2: 2})

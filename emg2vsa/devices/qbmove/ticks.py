@@ -22,7 +22,7 @@ LOG_COLUMNS = LogColumns(
     per_ampere=1000.0,
     whole=True,
 )
-"""Of log.csv."""
+"""Columns of log.csv."""
 RIG_KEYS: Keys = {
     "home_ticks": ("home_deg", DEG_PER_TICK, int),
     "position_ticks": ("position_deg", DEG_PER_TICK, int),

@@ -11,7 +11,7 @@ from emg2vsa.devices.registry import Kind, Wrong
 from emg2vsa.session_settings import EmgSettings, Port, Text
 
 COMMAND_PORT, EMG_PORT = 50040, 50043
-"""Of the Trigno Control Utility (SDK guide MAN-025); the legacy ports 50041 and 50042 are not read."""
+"""Ports of the Trigno Control Utility (SDK guide MAN-025); the legacy ports 50041 and 50042 are not read."""
 OTHER_PORTS = (50041, 50042, 50044)
 """Legacy and auxiliary ports, on which no EMG of every sensor comes."""
 SENSOR = r"(1[0-6]|[1-9])(?:\.([1-9]))?"

@@ -353,7 +353,7 @@ def _frame_s(facts: Mapping[str, str]) -> float:
 
 
 def _range_v(reply: str) -> float:
-    """Of RANGE?, in any case, with or without the word before it."""
+    """Range from the reply to RANGE?, in any case, with or without the word before it."""
     return RANGES_V.get((reply.upper().split() or [""])[-1], RANGES_V["HIGH"])
 
 
