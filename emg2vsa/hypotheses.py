@@ -114,45 +114,26 @@ def test_hypotheses(
     known = np.array([(place or {}).get(cell, np.nan) for cell in cells])
     at = {cell: i for i, cell in enumerate(cells)}
     own = [at[cell] for cell in zip(fits.participant[admitted].tolist(), fits.specimen[admitted].tolist(), strict=True)]
+    of_presses = (fits.participant[admitted], fits.specimen[admitted])
+    repetition, b_v = fits.repetition[admitted], fits.b_v[admitted]
     return Hypotheses(
-        participants=clusters.participants,
-        specimens=clusters.specimens,
-        count=clusters.count,
-        tests=tests,
+        participants=clusters.participants, specimens=clusters.specimens, count=clusters.count, tests=tests,
         worst_p=float(tests.pairs.lsd.p[worst]) if worst[0] >= 0 else float("nan"),
-        worst_pair=_pair_name(tests, clusters, worst),
-        worst=worst,
-        kept=kept,
+        worst_pair=_pair_name(tests, clusters, worst), worst=worst, kept=kept,
         missing_cells=_missing_cells(clusters, people, palpated),
         missing_pairs=_missing_pairs(tests, clusters, people, kept),
         power=power,
-        trend=trend(
-            fits.participant[admitted],
-            fits.specimen[admitted],
-            fits.repetition[admitted],
-            fits.b_v[admitted],
-            1 - settings.alpha,
-        ),
+        trend=trend(*of_presses, repetition, b_v, 1 - settings.alpha),
         laws=laws or force_laws(given, settings.use, 1 - settings.alpha),
         misfits=misfits or compare_misfits(cell_misfits(given, settings.use, spline=True), 1 - settings.alpha),
         curves=curves or compare_curves(cell_curves(given, settings.use), settings.alpha),
-        people=person_slopes(given, settings.use),
-        place=known.reshape(clusters.count.shape),
-        drift=drift(
-            fits.participant[admitted],
-            fits.specimen[admitted],
-            known[own],
-            fits.repetition[admitted].astype(np.float64),
-            fits.b_v[admitted],
-        ),
-        alpha=settings.alpha,
+        people=person_slopes(given, settings.use), place=known.reshape(clusters.count.shape),
+        drift=drift(*of_presses, known[own], repetition.astype(np.float64), b_v), alpha=settings.alpha,
         notes=(
-            *_left_out(clusters),
-            *_incomplete(clusters, kept, tests.pairs.lsd.p),
-            *_order_unknown(clusters, known),
+            *_left_out(clusters), *_incomplete(clusters, kept, tests.pairs.lsd.p), *_order_unknown(clusters, known),
             power_note,
         ),
-    )
+    )  # fmt: skip
 
 
 def _worst(p: Floats, clusters: Clusters, kept: tuple[str, ...]) -> tuple[int, int]:

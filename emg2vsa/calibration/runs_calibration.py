@@ -162,26 +162,14 @@ def online_calibrations(
             if fitted and fitted.pins and fitted.specimens == specimens
             else known_pins(known, stiffness, errors, [(domes or {}).get(name, NO_DOMES) for name in specimens])
         )
-        made.append(
-            OnlineCalibration(
-                specimens=specimens,
-                kappa=stiffness,
-                kappa_se=errors,
-                quantity=known[0].algorithm,
-                area_unit=known[0].area_unit,
-                angle_deg=float(angle_deg),
-                condition=condition,
-                start_n=force_n[0],
-                forces_n=forces,
-                rates=rates[there],
-                mounting=padded_labels(known, rates.shape[1]),
-                settings=settings,
-                growth=growth_power(known),
-                simulated=any(run.simulated for run in known),
-                provenance=dict(provenance or {}),
-                pins=pins,
-            )
-        )
+        own = OnlineCalibration(
+            specimens=specimens, kappa=stiffness, kappa_se=errors, quantity=known[0].algorithm,
+            area_unit=known[0].area_unit, angle_deg=float(angle_deg), condition=condition, start_n=force_n[0],
+            forces_n=forces, rates=rates[there], mounting=padded_labels(known, rates.shape[1]), settings=settings,
+            growth=growth_power(known), simulated=any(run.simulated for run in known),
+            provenance=dict(provenance or {}), pins=pins,
+        )  # fmt: skip
+        made.append(own)
     return tuple(made)
 
 

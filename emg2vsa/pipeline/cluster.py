@@ -154,14 +154,7 @@ class ClusterWorkers:
 
     def _open(self, held: contextlib.ExitStack) -> None:
         """Connect, wait for workers, and mark the study's folder."""
-        try:
-            dask: Any = importlib.import_module("dask")
-            distributed: Any = importlib.import_module("distributed")
-        except ModuleNotFoundError as error:
-            do = f"Install it: {install_extra('cluster')}."
-            raise SettingError(
-                "emg2vsa run", wanted="the extra for clusters", found=f"no {error.name}", do=do
-            ) from error
+        dask, distributed = _dask()
         logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what a user has to know is said here
         held.enter_context(dask.config.set({"distributed.scheduler.allowed-failures": 1}))  # of a local cluster
         if self._local:
@@ -172,21 +165,7 @@ class ClusterWorkers:
                 host="127.0.0.1", dashboard_address="127.0.0.1:0", scheduler_kwargs={"dashboard": False},
             )  # fmt: skip
             self._address = held.enter_context(cluster).scheduler_address
-        try:
-            client = distributed.Client(self._address, timeout=self._timeout_s, set_as_default=False)
-        except TypeError as error:  # what Dask raises where an encrypted address meets no certificates
-            raise DataError(
-                f"emg2vsa run --scheduler {self._address}", wanted="certificates for an encrypted connection",
-                found=f"none ({error})",
-                do="Name them under distributed.comm.tls in Dask's configuration, or use an address with tcp://.",
-            ) from error  # fmt: skip
-        except (OSError, ValueError) as error:
-            raise DataError(
-                f"emg2vsa run --scheduler {self._address}", wanted="a Dask scheduler that answers",
-                found=f"none within {self._timeout_s:g} s ({error})",
-                do="Start it with dask scheduler, or give the address that it prints.",
-            ) from error  # fmt: skip
-        self._client = client
+        self._client = self._connected(distributed)
         held.callback(self._close)
         end = time.monotonic() + self._timeout_s
         while not self._count_workers():
@@ -199,6 +178,23 @@ class ClusterWorkers:
         self._mark.parent.mkdir(parents=True, exist_ok=True)
         held.callback(self._mark.unlink, missing_ok=True)
         self._mark.write_text(self._mark.name)
+
+    def _connected(self, distributed: Any) -> Any:
+        """A client of the scheduler. DataError where none answers."""
+        try:
+            return distributed.Client(self._address, timeout=self._timeout_s, set_as_default=False)
+        except TypeError as error:  # what Dask raises where an encrypted address meets no certificates
+            raise DataError(
+                f"emg2vsa run --scheduler {self._address}", wanted="certificates for an encrypted connection",
+                found=f"none ({error})",
+                do="Name them under distributed.comm.tls in Dask's configuration, or use an address with tcp://.",
+            ) from error  # fmt: skip
+        except (OSError, ValueError) as error:
+            raise DataError(
+                f"emg2vsa run --scheduler {self._address}", wanted="a Dask scheduler that answers",
+                found=f"none within {self._timeout_s:g} s ({error})",
+                do="Start it with dask scheduler, or give the address that it prints.",
+            ) from error  # fmt: skip
 
     def _check_workers(self) -> None:
         """Ask every worker for what its results depend on. DataError where one differs from this process."""
@@ -392,3 +388,14 @@ def _read_mark(mark: Path) -> str:
     except OSError as error:
         return f"unreadable ({error.strerror or error})"
     return held if is_writable(mark.parent) else "in a folder that cannot be written to"
+
+
+def _dask() -> tuple[Any, Any]:
+    """The packages ``dask`` and ``distributed``. SettingError where they are not installed."""
+    try:
+        return importlib.import_module("dask"), importlib.import_module("distributed")
+    except ModuleNotFoundError as error:
+        raise SettingError(
+            "emg2vsa run", wanted="the extra for clusters", found=f"no {error.name}",
+            do=f"Install it: {install_extra('cluster')}.",
+        ) from error  # fmt: skip

@@ -151,11 +151,18 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any], raw: Ma
     emulated = tables.get("emulated")
     if emulated is None:
         return
+    yield from _emulated_specimens(experiment, emulated)
+    yield from _emulated_skin(emulated)
+    yield from _emulated_bench(experiment, emulated, tables.get("rig"))
     actuator, told = tables.get("actuator"), "springs" in raw["emulated"]
     if told and isinstance(actuator, QbmoveSettings) and emulated.springs != actuator.joint:
         wanted = f'{actuator.joint}, as [actuator] has the model "{actuator.model}"'
         do = "Leave springs out, or correct [actuator]."
         yield Problem(("emulated", "springs"), wanted, shown(emulated.springs), do)
+
+
+def _emulated_specimens(experiment: ExperimentSettings, emulated: EmulatedSettings) -> Iterator[Problem]:
+    """Each specimen has a stiffness, and nothing else is said of one without."""
     at: KeyPath = ("emulated", "stiffness_n_per_mm")
     for name in experiment.specimens:
         if name not in emulated.stiffness_n_per_mm:
@@ -167,6 +174,10 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any], raw: Ma
             if name not in known:
                 wanted = "a specimen of stiffness_n_per_mm"
                 yield Problem(("emulated", key, name), wanted, shown(name), nearest(name, known))
+
+
+def _emulated_skin(emulated: EmulatedSettings) -> Iterator[Problem]:
+    """Keys that the chosen world and skin have."""
     if emulated.world == "elastic":
         usual = EmulatedSettings()
         for key in VISCOELASTIC_KEYS:
@@ -179,12 +190,17 @@ def _emulated(experiment: ExperimentSettings, tables: Mapping[str, Any], raw: Ma
     if emulated.domes and emulated.skin != "finite-elements":
         wanted, do = 'skin = "finite-elements" beside it', "Leave one of the two out."
         yield Problem(("emulated", "domes"), wanted, shown(emulated.skin), do)
+
+
+def _emulated_bench(
+    experiment: ExperimentSettings, emulated: EmulatedSettings, rig: RigSettings | None
+) -> Iterator[Problem]:
+    """Rates, gaps, angles and friction that the emulated bench can have."""
     parts = INTERNAL_RATE_HZ / emulated.force_rate_hz
     if not math.isclose(parts, round(parts), rel_tol=1e-9):
         near = INTERNAL_RATE_HZ / max(1, math.floor(parts))
         wanted = f"a whole fraction of {INTERNAL_RATE_HZ:g}, as {near:g}"
         yield Problem(("emulated", "force_rate_hz"), wanted, shown(emulated.force_rate_hz))
-    rig = tables.get("rig")
     furthest_mm = emulated.gap_mm + 2 * emulated.gap_sd_mm
     if rig and furthest_mm > rig.guards.contact_mm:
         wanted = f"contact within rig.guards.contact_mm, {rig.guards.contact_mm:g} mm"

@@ -67,11 +67,9 @@ def score_press(press: Press, settings: RunSettings, domes: Domes = NO_DOMES) ->
     assert press.frames is not None
     if press.frames.force_n is None:
         raise CasrError(
-            press.frames.name,
-            wanted="a force for every frame",
-            found="no force log",
+            press.frames.name, wanted="a force for every frame", found="no force log",
             do="Put the force log beside the frames as force.csv: a spread rate is an area per newton.",
-        )
+        )  # fmt: skip
     measured = Measured(press.frames, settings, domes)
     by, skin = {name: measured.numbers(name) for name in ALGORITHMS}, measured.skin
     own = by[settings.algorithm]
@@ -79,28 +77,21 @@ def score_press(press: Press, settings: RunSettings, domes: Domes = NO_DOMES) ->
     zero_n = skin.force_zero.level_n if skin.force_zero else 0.0
     known, stretch = np.isfinite(own.area), measured.stretch
     curve = PressCurve(
-        skin.force_n[: known.size][known],
-        own.area[known],
-        float(skin.force_n[0]),
-        press.force_n - zero_n,
+        skin.force_n[: known.size][known], own.area[known], float(skin.force_n[0]), press.force_n - zero_n,
         press.depth_mm,
-    )
+    )  # fmt: skip
     if stretch is not None:
         curve = replace(
-            curve,
-            stretch_force_n=stretch.force_n,
-            stretch_log_ratio=stretch.log_ratio,
-            stretch_log_sd=stretch.log_sd,
+            curve, stretch_force_n=stretch.force_n, stretch_log_ratio=stretch.log_ratio, stretch_log_sd=stretch.log_sd
         )
+    after = slice(press.n_before, None)
+    travel_mm_per_n = travel_per_newton(press.force_n[after] - zero_n, press.depth_mm[after], settings.force_n[0])
     return ScoredPress(
         a_c0={name: found.a_c0 for name, found in by.items()},
         start_area={name: found.start_area for name, found in by.items()},
         casr={name: found.casr for name, found in by.items()},
         area_unit=skin.area_unit,
-        indent_n_per_mm=1
-        / travel_per_newton(
-            press.force_n[press.n_before :] - zero_n, press.depth_mm[press.n_before :], settings.force_n[0]
-        ),
+        indent_n_per_mm=1 / travel_mm_per_n,
         curve=curve,
         picture=_picture(press.frames, skin, own),
         missing={name: found.missing for name, found in by.items() if found.missing},

@@ -82,14 +82,11 @@ def write_dataset(folder: Path, study: Study) -> Written:
     left_out: list[tuple[str, str]] = []
     stays: list[_Stay] = []
     for name, window in zip(_names(windows, plan, study.task), windows, strict=True):
+        emg, force = (streams.get((window.sitting, kind), []) for kind in ("emg", "force"))
+        own = [line for line in lines if line.sitting == window.sitting]
         try:
-            channels = _channels(study, plan.participant, window.specimen)
-            emg, force = (streams.get((window.sitting, kind), []) for kind in ("emg", "force"))
-            signals = cut(window, emg, force)
-            stored = _stored(signals, channels, name.stem, settings.about)
-            stays.append(
-                _Stay(name, window, [line for line in lines if line.sitting == window.sitting], signals, stored)
-            )
+            channels, signals = _channels(study, plan.participant, window.specimen), cut(window, emg, force)
+            stays.append(_Stay(name, window, own, signals, _stored(signals, channels, name.stem, settings.about)))
         except Emg2vsaError as error:
             left_out.append((f"{window.phase} on {window.specimen}", str(error)))
     targets = [stay.name.path(study.data) for stay in stays]

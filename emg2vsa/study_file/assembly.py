@@ -48,15 +48,8 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
         participants=ids,
         specimens=tuple(
             Specimen(
-                s.name,
-                s.stiffness_n_per_mm,
-                s.stiffness_se_n_per_mm,
-                s.plate_adjusted_r2,
-                s.stiffness_range_n,
-                s.stiffness_change,
-                s.diameter_mm,
-                s.height_mm,
-                s.ends,
+                s.name, s.stiffness_n_per_mm, s.stiffness_se_n_per_mm, s.plate_adjusted_r2, s.stiffness_range_n,
+                s.stiffness_change, s.diameter_mm, s.height_mm, s.ends,
             )
             for s in file.specimens
         ),
@@ -78,7 +71,7 @@ def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mappin
         registration=_registration(Path(path), about.registration),
         task=(file.recordings.task if file.recordings else None) or "",
         visits=file.recordings.visits if file.recordings else (),
-    )
+    )  # fmt: skip
 
 
 def _registration(path: Path, named: str | None) -> Path | None:

@@ -16,9 +16,10 @@ from emg2vsa.report.people import about_people
 from emg2vsa.run_folders.find import plate_logs
 
 if TYPE_CHECKING:
+    from emg2vsa.curves.plate_tests import PlateTests
     from emg2vsa.multiverse import IndexPresets
     from emg2vsa.pipeline.campaign import Campaign
-    from emg2vsa.report.inputs import StudyResults
+    from emg2vsa.report.inputs import People, StudyResults
     from emg2vsa.study import Person, Study
 
 NOT_SHOWN = (
@@ -108,57 +109,54 @@ def run(given: Given, pages: str = "participants") -> list[Path]:
 def results_of(given: Given, pages: str = "") -> StudyResults:
     """All products of the study; of stages that failed none. pages : as for ``run``. DataError : the kept order of the
     runs is damaged."""
-    from emg2vsa.curves.rubber import Cylinder
     from emg2vsa.errors import Emg2vsaError
-    from emg2vsa.fits import concatenate
     from emg2vsa.report.failures import Failure
-    from emg2vsa.report.inputs import People, Runs, StudyResults, without_samples
-    from emg2vsa.rig_file.plate_logs import Asked, read_plates
-    from emg2vsa.screening import screened, screened_trials
-    from emg2vsa.truth import read_truth
+    from emg2vsa.report.inputs import Runs, StudyResults
 
-    scores, truth = tuple(given.each("runs")), given.files.get("truth", ())
-    people, runs = None, None
-    if given.inputs.get("fits"):
-        screening = given.one("screening")
-        all_fits = concatenate((screened(each, screening) for each in given.each("fits")), bins=False)
-        people = People(
-            fits=all_fits,
-            trials=tuple(without_samples(screened_trials(each, screening)) for each in given.each("trials")),
-            hypotheses=given.one("hypotheses"),
-            choice=given.one("exemplary"),
-            profiles=given.one("profiles"),
-            schedules=given.one("schedules") or (),
-            truth=read_truth(truth[0], all_fits) if truth else None,
-        )
-    if scores:
-        runs = Runs(scores, given.one("discrimination"), given.one("calibration"))
-    study, failures, plates = given.settings["study"], [Failure(*failure) for failure in given.failures], None
-    if logs := given.settings["plates"]:
+    scores, study, plates = tuple(given.each("runs")), given.settings["study"], None
+    failures = [Failure(*failure) for failure in given.failures]
+    if given.settings["plates"]:
         try:
-            sizes = {
-                each.name: Cylinder(each.size_mm[0], each.size_mm[1], each.ends)
-                for each in study.specimens
-                if each.size_mm
-            }
-            plates = read_plates(logs, Asked(study.window.force_n, cylinders=sizes))
+            plates = _plates(given)
             study = _with_plates(study, plates.worst_adj_r2())
         except Emg2vsaError as error:
             failures.append(Failure("study", "plates", str(error)))
     return StudyResults(
-        study,
-        people,
-        runs,
-        given.one("stiffness"),
-        tuple(failures),
-        _provenance(given),
-        pages,
-        given.settings["registered"],
-        given.one("paths"),
-        _presets(given),
-        plates,
-        _run_order(given),
-    )
+        study, _people(given), Runs(scores, given.one("discrimination"), given.one("calibration")) if scores else None,
+        given.one("stiffness"), tuple(failures), _provenance(given), pages, given.settings["registered"],
+        given.one("paths"), _presets(given), plates, _run_order(given),
+    )  # fmt: skip
+
+
+def _people(given: Given) -> People | None:
+    """What was found of people; None for a study without."""
+    from emg2vsa.fits import concatenate
+    from emg2vsa.report.inputs import People, without_samples
+    from emg2vsa.screening import screened, screened_trials
+    from emg2vsa.truth import read_truth
+
+    if not given.inputs.get("fits"):
+        return None
+    truth, screening = given.files.get("truth", ()), given.one("screening")
+    fits = concatenate((screened(each, screening) for each in given.each("fits")), bins=False)
+    return People(
+        fits=fits,
+        trials=tuple(without_samples(screened_trials(each, screening)) for each in given.each("trials")),
+        hypotheses=given.one("hypotheses"), choice=given.one("exemplary"), profiles=given.one("profiles"),
+        schedules=given.one("schedules") or (), truth=read_truth(truth[0], fits) if truth else None,
+    )  # fmt: skip
+
+
+def _plates(given: Given) -> PlateTests:
+    """What the logs of plate presses tell of the specimens' stiffness."""
+    from emg2vsa.curves.rubber import Cylinder
+    from emg2vsa.rig_file.plate_logs import Asked, read_plates
+
+    study = given.settings["study"]
+    sizes = {
+        each.name: Cylinder(each.size_mm[0], each.size_mm[1], each.ends) for each in study.specimens if each.size_mm
+    }
+    return read_plates(given.settings["plates"], Asked(study.window.force_n, cylinders=sizes))
 
 
 def _run_order(given: Given) -> str:

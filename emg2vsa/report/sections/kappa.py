@@ -26,6 +26,8 @@ CUES = {"pins": "pins alone", "force": "force alone", "travel": "travel alone"}
 """Cues of ``casr.kappa`` to what people call them."""
 _COLUMN = {RIGID: "new_vision", HUMAN_LIKE: "human_like"}
 """Of Table I that is by hexagons, in which each condition stands."""
+_CURVES = {angle: f"{p:g} exp({rate:g} CASR)" for angle, (p, rate) in paper.CURVES.items()}
+"""The paper's, by angle."""
 LAW_ERRORS = (-0.154, 0.065)
 """Least and largest median error of κ by the true CASR, over simulated sensors: benchmarks/results/press_worlds."""
 
@@ -127,6 +129,10 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     design: Columns = {designs.DESIGN: [_design(each) for each, _ in own]}
     level = f"{100 * results.study.calibration.confidence:g} %"
     yield _headlines(found, algorithm, [each for each, _ in own], design, level)
+    caption = (
+        f"κ of {found.new_specimen} by the law through CASR, {algorithm} algorithm; the interval holds what every law "
+        "says that the known specimens do not reject"
+    )
     columns: Columns = design | {
         Column("paper_error", "Paper's error, hexagon (%)", 100.0): list(map(q.get, of_paper)),
         Column("exponential_error", "Error here, paper's law (%)", 100.0): [of.paper.error for _, of in own],
@@ -149,38 +155,43 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
             of.fused.error if of.fused else None for _, of in own
         ],
     }
-    caption = (
-        f"κ of {found.new_specimen} by the law through CASR, {algorithm} algorithm; the interval holds what every law "
-        "says that the known specimens do not reject"
-    )
     yield table_of("kappa_by_casr", caption, columns)
-    curves = {angle: f"{p:g} exp({rate:g} CASR)" for angle, (p, rate) in paper.CURVES.items()}
+    yield _laws(own, design)
+    yield _implied(results, q)
+
+
+def _laws(own: list[tuple[ConditionResult, AlgorithmResult]], design: Columns) -> Table:
+    """The laws of each design, ours and the paper's."""
     columns = design | {
         Column("chosen", "Law here"): [_equation(of.chosen) for _, of in own],
         Column("paper_law", "Paper's law here"): [_equation(of.paper) for _, of in own],
         Column("left_out", "Best on left-out specimens"): [of.best_law or None for _, of in own],
         Column("paper", "Paper's curve (unit of CASR not printed)"): [
-            f"kappa = {curves[c.angle_deg]}" if c.condition == HUMAN_LIKE and c.angle_deg in curves else None
+            f"kappa = {_CURVES[c.angle_deg]}" if c.condition == HUMAN_LIKE and c.angle_deg in _CURVES else None
             for c, _ in own
         ],
     }
-    yield table_of("calibration_laws", "The laws from CASR to stiffness", columns)
-    columns = {
-        Column("angle_deg", "Angle (°)", digits=2): [*curves],
-        Column("curve", "κ (N/mm) as printed"): [*curves.values()],
+    return table_of("calibration_laws", "The laws from CASR to stiffness", columns)
+
+
+def _implied(results: StudyResults, q: Quantities) -> Table:
+    """What the paper's curves would make of CASR."""
+    columns: Columns = {
+        Column("angle_deg", "Angle (°)", digits=2): [*_CURVES],
+        Column("curve", "κ (N/mm) as printed"): [*_CURVES.values()],
         **{
-            Column(f"casr_{name}", f"{name}, {kappa:g} N/mm"): [paper.implied_casr(angle, kappa) for angle in curves]
+            Column(f"casr_{name}", f"{name}, {kappa:g} N/mm"): [paper.implied_casr(angle, kappa) for angle in _CURVES]
             for name, kappa in paper.KAPPA_N_PER_MM.items()
         },
-        Column("ratio", f"{_SOFTEST} : {_STIFFEST} implied"): list(map(paper.implied_ratio, curves)),
-        Column("bound", "Largest possible", digits=2): [paper.largest_ratio()] * len(curves),
-        Column("here", f"{_SOFTEST} : {_STIFFEST} here"): [_ratio_here(results, q, angle) for angle in curves],
+        Column("ratio", f"{_SOFTEST} : {_STIFFEST} implied"): list(map(paper.implied_ratio, _CURVES)),
+        Column("bound", "Largest possible", digits=2): [paper.largest_ratio()] * len(_CURVES),
+        Column("here", f"{_SOFTEST} : {_STIFFEST} here"): [_ratio_here(results, q, angle) for angle in _CURVES],
     }
     caption = (
         "CASR of each specimen at which the paper's curves give its stiffness. No unit explains that it falls with the "
         "angle. Hertz's contact bounds the ratio, and a sensor that yields makes it smaller"
     )
-    yield table_of("casr_implied", caption, columns)
+    return table_of("casr_implied", caption, columns)
 
 
 def _headlines(

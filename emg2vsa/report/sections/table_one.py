@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -111,6 +111,15 @@ def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
             ]
     made = table_of("table_one", "", columns)
     shown = tuple(row | {key: cells[i] for key, cells in told.items()} for i, row in enumerate(map(dict, made.rows)))
+    yield replace(made, caption=_caption(results, found, compared, beyond), shown_rows=shown)
+    yield _recipes(results, compared)
+
+
+def _caption(
+    results: StudyResults, found: CalibrationResults, compared: Sequence[str],
+    beyond: Mapping[tuple[str, float, str], tuple[float, int, int]],
+) -> str:  # fmt: skip
+    """What the errors are, and which presses have none. beyond : see ``_over_array``."""
     over = results.study.scoring.force_n
     caption = (
         f"Table I: error on κ of {found.new_specimen} ({number(found.known_kappa_new)} N/mm) over the forces of CASR, "
@@ -125,8 +134,7 @@ def tables(results: StudyResults, found: CalibrationResults) -> Iterator[Table]:
         if sum(lost):
             caption += f"{start}{_name(results, name)}, {sum(lost)} of {sum(presses)}, up to "
             caption, start = f"{caption}{number(np.nanmax(ratios), 2)} × the pin array", "; "
-    yield replace(made, caption=caption, shown_rows=shown)
-    yield _recipes(results, compared)
+    return caption
 
 
 def _error_said(law: Headline, truth: float, over_array: float) -> str:
