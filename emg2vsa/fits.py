@@ -67,9 +67,9 @@ class Fits:
     n_points: Ints
     "Bins or samples the reported fit rests on."
     adj_r2: Floats
-    "Of the reported fit, weighted as it was."
+    "Adjusted R² of the reported fit, weighted as the fit was."
     r2_bins: Floats
-    "Of ordinary least squares on the bins, whatever is reported; likewise the next three."
+    "R² of ordinary least squares on the bins, whatever is reported; likewise the next three."
     adj_r2_bins: Floats
     r2_samples: Floats
     adj_r2_samples: Floats

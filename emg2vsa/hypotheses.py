@@ -29,7 +29,7 @@ _LISTED = 6
 
 @dataclass(frozen=True)
 class Powers:
-    """Of the repeated-measures F test with the study's people; NaN, and 0 people, where the design has none.
+    """Power of the repeated-measures F test with the study's people; NaN, and 0 people, where the design has none.
 
     repetitions : measurements are the m repetitions, as the paper planned it; specimens : they are the specimens,
     which is what its main claim is about. people : needed for the target with as many specimens.
@@ -63,7 +63,7 @@ class Hypotheses:
     "Participant and pair of kept specimens without a p of Fisher's LSD, though it was asked for."
     power: Powers
     trend: Trend
-    "Of b over the number of the repetition."
+    "Trend of b over the number of the repetition."
     laws: ForceLaws
     "Power law and straight line beside the logarithm."
     misfits: LawMisfits
@@ -75,7 +75,7 @@ class Hypotheses:
     place: Floats
     "(P, S) of the recording in the participant's session, from 1; NaN where nobody knows."
     drift: Drift
-    "Of b over a session."
+    "Drift of b over a session."
     alpha: float
     notes: tuple[str, ...]
 
@@ -193,7 +193,7 @@ def _power(clusters: Clusters, alpha: float) -> tuple[Powers, str]:
 
 
 def _left_out(clusters: Clusters) -> tuple[str, ...]:
-    """What the trials at hand do not cover."""
+    """Sentences on what the trials at hand do not cover."""
     usual = int(clusters.count.max(initial=0))
     names = [[f"{p} {s}" for s in clusters.specimens] for p in clusters.participants]
     missing = [names[i][j] for i, j in np.argwhere(clusters.count == 0)]
@@ -222,7 +222,7 @@ def _incomplete(clusters: Clusters, kept: tuple[str, ...], pair_p: Floats) -> tu
 
 
 def _order_unknown(clusters: Clusters, place: Floats) -> tuple[str, ...]:
-    """Of whom nobody knows in which order specimens were pressed, and why."""
+    """People whose order of specimens nobody knows, and why."""
     unknown = np.any((clusters.count > 0) & np.isnan(place.reshape(clusters.count.shape)), axis=1)
     who = clusters.participants[unknown].tolist()
     why = "scans.tsv, order.tsv or the recordings must state a time or place of its own for each recording"

@@ -22,7 +22,7 @@ class EmgSettings:
     """Where the EMG of a session comes from. The channels of the study ([channels.emg]) are the ones that are kept."""
 
     kind: str
-    "Of the device; each kind has keys of its own."
+    "Kind of the device; each kind has keys of its own."
     delay_s: Annotated[float, Ge(0), Le(1)] = 0.0
     "Fixed delay from skin to arrival (Trigno about 0.048 s), taken off every time stamp."
 
@@ -32,7 +32,7 @@ class SessionForceSettings:
     """Where the pressing force of a session comes from."""
 
     kind: str
-    "Of the device; each kind has keys of its own."
+    "Kind of the device; each kind has keys of its own."
     delay_s: Annotated[float, Ge(0), Le(1)] = 0.0
     "Fixed delay from finger to arrival, taken off every time stamp."
 
@@ -42,7 +42,7 @@ class SessionTexts:
     """What the participant reads; write them in the participant's language."""
 
     language: Text = "en"
-    "Of the texts, for the browser (en, it, de)."
+    "Language of the texts, for the browser (en, it, de)."
     wait: Text = "Please wait"
     "While the operator prepares something."
     start: Text = "START"
@@ -62,7 +62,7 @@ class SessionTexts:
     training: Text = "Practice"
     "Beside the number of a practice press."
     done: Text = "Finished. Thank you!"
-    "At the end."
+    "Text at the end."
     too_fast: Text = "slower"
     "While force rises too fast."
     too_slow: Text = "faster"
@@ -108,11 +108,11 @@ class SessionAbout:
     institution_address: str = ""
     "Its address."
     department: str = ""
-    "Of the institution."
+    "Department of the institution."
     authors: tuple[Text, ...] = ()
-    "Of the data set; not of participants."
+    "Authors of the data set; not participants."
     licence: str = ""
-    "Of the data set, such as CC0 or CC-BY-4.0."
+    "Licence of the data set, such as CC0 or CC-BY-4.0."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,7 +122,7 @@ class ElectrodePlaces:
     system: Text
     "Where 0 is and what x and y follow, such as from the lateral epicondyle to the ulnar styloid process."
     unit: Literal["mm", "cm", "percent"] = "mm"
-    "Of the coordinates; percent: of the distance that system names."
+    "Unit of the coordinates; percent: of the distance that system names."
     pairs: dict[str, tuple[tuple[float, float], tuple[float, float]]]
     "Muscle to x and y of its two electrodes."
 
@@ -136,7 +136,7 @@ class FormColumn:
     range: tuple[float, float] | None = None
     "Smallest and largest number."
     unit: str = ""
-    "Of the number."
+    "Unit of the number."
     levels: dict[str, Text] = field(default_factory=dict)
     "Word to its meaning."
 
@@ -208,7 +208,7 @@ class SessionSettings:
     orders: dict[str, tuple[Text, ...]] = field(default_factory=dict)
     "order = listed: participant to the specimens in order; omitted: as [[specimens]] lists them, for all."
     seed: Annotated[int, Ge(0)] = 1
-    "Of the order, with the study's name and the participant's code."
+    "Seed of the order, with the study's name and the participant's code."
     training_specimens: tuple[Text, ...] = ()
     "Specimens pressed before the others; not among [[specimens]]."
     training_repetitions: Annotated[int, Ge(1), Le(100)] = 5

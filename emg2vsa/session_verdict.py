@@ -28,7 +28,7 @@ MIN_USABLE_SHARE = 0.8
 """A specimen with a smaller share of usable presses should be recorded again while the participant is there."""
 
 VERDICTS = ("good", "usable", "repeat", "unreadable")
-"""From best to worst; a session is as good as its worst recording."""
+"""Verdicts from best to worst; a session is as good as its worst recording."""
 
 
 class Advice(NamedTuple):

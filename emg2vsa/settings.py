@@ -248,7 +248,7 @@ class HypothesisSettings:
 
 
 MEDOID = "medoid"
-"""As exemplary participant: the one whose schedules differ least, on average, from those of the others."""
+"""The exemplary participant is the one whose schedules differ least, on average, from those of the others."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -402,7 +402,9 @@ class RunSettings:
         return RECIPES[self.algorithm]._replace(**{name: value for name, value in given.items() if value is not None})
 
     def recipe_of(self, algorithm: str) -> Recipe:
-        """That of an algorithm on the same presses: one of the skin differs from the chosen one by its initial area."""
+        """Recipe of an algorithm on the same presses. A recipe of the skin differs from the chosen one by its
+        initial area.
+        """
         if algorithm == self.algorithm:
             return self.recipe
         if algorithm == "front":
@@ -415,7 +417,7 @@ class DiscriminationSettings:
     """The comparisons of the presses of the rig (paper VI)."""
 
     alpha: Annotated[float, Gt(0), Le(0.5)] = 0.05
-    "Of each interval that stands alone, and of the paper's tests."
+    "Error of each interval that stands alone, and of the paper's tests."
     old_algorithm: Algorithm = "circle"
     "Vision algorithm that the one of the runs is compared with."
 
@@ -442,9 +444,9 @@ class CalibrationSettings:
     outlier_mads: NonNegative = 5.0
     "A press this many median absolute deviations (scaled to SDs) from its median is left out; if over 20 % are, none."
     confidence: Annotated[float, Gt(0), Lt(1)] = 0.95
-    "Of intervals of kappa, by the pins and by CASR."
+    "Confidence of intervals of kappa, by the pins and by CASR."
     resamples: Annotated[int, Ge(1)] = 2000
-    "Of the bootstrap over repetitions."
+    "Resamples of the bootstrap over repetitions."
     seed: Annotated[int, Ge(0)] = 0
     "Same seed, same bootstrap."
 
@@ -456,29 +458,29 @@ class ClaimSettings:
     false_verdict_percent: Annotated[float, Ge(0.01), Le(25)] = 10.0
     "Chance that a report has any false verdict, at most: 10 % over some 20 claims gives each an interval of 99 %."
     slope_percent: Positive = 10.0
-    "Of b between specimens, % of their mean (presses of one person scatter by 10 to 20 %)."
+    "Difference of b between specimens that matters, % of their mean (presses of one person scatter by 10 to 20 %)."
     people_f: Positive = 0.25
     "SD of b between people over that of presses: Cohen's f, the effect that the paper planned for."
     cluster_shape: Positive = 0.5
     "Skewness of b of one person on one specimen, and half of its excess kurtosis (0.5 is called moderate)."
     law_percent: Positive = 5.0
-    "By which another law may predict better than the logarithm (force bins scatter by more)."
+    "Share by which another law may predict better than the logarithm (force bins scatter by more)."
     profile_percent: Positive = 10.0
     "Error of the interpolated profile, % of the measured level (mean slopes of people are known no better)."
     neighbour_percent: Positive = 50.0
     "The same, % of the difference of its neighbours: beyond half of it, a neighbour would do as well."
     area_percent: Positive = 5.0
-    "Of contact areas (that of one mounting is known no better)."
+    "Difference of contact areas that matters (the area of one mounting is known no better)."
     casr_percent: Positive = 2.0
-    "Of CASR (2 % of it are some 20 % of kappa)."
+    "Difference of CASR that matters (2 % of CASR are some 20 % of kappa)."
     contrast_percent: Positive = 5.0
-    "Of the ratio of CASR of two specimens, from condition to condition."
+    "Change that matters in the ratio of CASR of two specimens, from condition to condition."
     separation: Positive = 1.0
-    "Of the distance of two specimens between conditions, in SDs of a press."
+    "Change that matters in the distance of two specimens between conditions, in SDs of a press."
     kappa_error_percent: Positive = 20.0
     "Error of kappa (the specimens of the paper lie 60 % apart)."
     reduction_points: Positive = 5.0
-    "By which a step cuts the error of kappa, percentage points (the paper claims 3 to 24)."
+    "Cut of the error of kappa by a step that matters, percentage points (the paper claims 3 to 24)."
 
 
 @dataclass(frozen=True, kw_only=True)

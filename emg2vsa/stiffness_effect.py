@@ -15,14 +15,14 @@ from emg2vsa.arrays import Floats
 LOSSY_SENSOR, LOSSY_SPECIMENS = 0.30, 0.10
 "Shares of a sensor that creeps as much as soft printed skin may, on specimens that creep alike."
 PRESS_CV = 0.03
-"Of the spread rate from press to press (assumption; the emulated bench has 3 to 5 %)."
+"CV of the spread rate from press to press (assumption; the emulated bench has 3 to 5 %)."
 _FOUND, _MISSED = 1.959964, 0.841621
 "Normal quantiles of 5 % on both sides and of a power of 80 %."
 
 
 @dataclass(frozen=True, eq=False)
 class StiffnessEffect:
-    """Of K specimens, the stiffest first, and C conditions, the rigid motor first.
+    """Effect of stiffness on K specimens, the stiffest first, and C conditions, the rigid motor first.
 
     duration_s : (K, C) between the forces of the window, elastic bodies. rate : (M, K, C) true spread rate, mm2/N, in
     M materials. frame_sum : (K, C) equation (2) as printed, elastic bodies; frame_sum_swapped, rate_swapped : (K, C)

@@ -26,7 +26,7 @@ def registration_of(study_file: Path) -> Path:
 
 
 _MOST_SHIFT = 0.9
-"""By which a stiffness may fall beyond the forces it was measured over."""
+"""Share by which a stiffness may fall beyond the forces it was measured over."""
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,10 @@ class Specimen:
     stiffness_range_n: tuple[float, float] | None = None
     "Forces over which the stiffness holds."
     stiffness_change: float = 0.0
-    "By what share of it the stiffness grows over these forces."
+    "Share by which the stiffness grows over these forces."
     diameter_mm: float | None = None
     height_mm: float | None = None
-    "Of the cylinder between the plates; the height is that under the sensor, too."
+    "Height of the cylinder between the plates; the height is that under the sensor, too."
     ends: Literal["frictionless", "bonded"] = "frictionless"
     "Whether its ends slide there, or cannot."
 
@@ -110,7 +110,7 @@ class RecordingEntry:
 
     @property
     def wanted_presses(self) -> int | None:
-        """Of all its visits; None where the study does not say."""
+        """Presses wanted at all its visits; None where the study does not say."""
         of_visit = self.window.expected_trials
         return of_visit and of_visit * len({part.visit for part in self.parts})
 

@@ -48,7 +48,8 @@ def read_truth(path: Path, fits: Fits) -> Truth:
 
 @dataclass(frozen=True)
 class Recovery:
-    """Over the usable trials whose truth is known; errors of b are relative to the true b of the trial.
+    """Recovery of the truth over the usable trials whose truth is known; errors of b are relative to the true b of
+    the trial.
 
     ``..._mcse`` are Monte-Carlo standard errors: what another seed would change.
     """

@@ -17,7 +17,7 @@ KINDS = (
     INDEX, LAW, BINS, WEIGHTS, INTERPOLATION, EXCLUSIONS, PERSON, REPETITION, ALGORITHM, RATE, MOUNTING_SD,
     KAPPA, MOUNTING, PRESS, SPECIMEN, SEVERAL,
 )  # fmt: skip
-"""Of choices, as people read them; a path that makes two choices or more is of the last."""
+"""Kinds of choices, as people read them; a path that makes two choices or more is of the last."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Tried:
 
     @property
     def kind(self) -> str:
-        """Of ``KINDS``; "" for the study's own path."""
+        """One of ``KINDS``; ""  for the study's own path."""
         kinds = [choice.kind for choice in self.choices]
         return SEVERAL if len(kinds) > 1 else "".join(kinds)
 

@@ -107,7 +107,7 @@ def all_paths(
 
 
 def gathered(own: Iterable[Tried], others: Sequence[Tried], alpha: float, presets: IndexPresets | None = None) -> Paths:
-    """From the claims along the study's ``own`` path, one of people and one of the rig, and along ``others``."""
+    """Table from the claims along the study's ``own`` path, one of people and one of the rig, and along ``others``."""
     base = {each.claim.key: each for of in own for each in judge(of.claims, alpha, OF_A_STUDY)}
     shape = (len(base), len(others))
     verdict, numbers = np.full(shape, "", dtype="<U14"), np.full((3, *shape), np.nan)

@@ -76,7 +76,7 @@ class _Fitted:
     fits: Fits
 
     def claims(self, rows: Rows, place: Places, **changed: object) -> Iterator[Claim]:
-        """Of the presses ``rows``. changed : settings of the study."""
+        """Claims by the presses ``rows``. changed : settings of the study."""
         verdict = np.where(rows, "ok", "rejected")
         laws = None
         if self.law.power is None:

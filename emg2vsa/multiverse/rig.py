@@ -51,7 +51,7 @@ FAR_MADS = 5.0
 """A score lies far from the median of its run."""
 SD_FACTORS = (0.5, 1.5)
 LAW_PARAMETERS = 2
-"""Of a law of kappa, which passes through as many specimens whatever they are."""
+"""Parameters of a law of kappa. It passes through as many specimens, whatever they are."""
 _OF_THEIR_OWN = tuple(f"reduction_{key}" for key, step in STEPS.items() if step.before[1] and step.after[1])
 """Claims that name their algorithms."""
 _FITTED = tuple(f"kappa_fit_{key}" for key in KAPPA_DESIGNS)
@@ -94,7 +94,7 @@ def _compares(claim: Claim, cell: Cell) -> bool:
 
 @dataclass(frozen=True)
 class _Rig:
-    """What the claims of a study on its rig come of."""
+    """Data that the claims of a study on its rig come from."""
 
     study: Study
     runs: tuple[RunScores, ...]
@@ -139,7 +139,7 @@ class _Rig:
     def claims(
         self, presses: Presses, laws: ChosenLaws | None, algorithm: str = "", *, of_scores: bool = True
     ) -> Iterator[Claim]:
-        """Of the ``presses`` and the ``laws`` through them, by a vision algorithm, that of the study if none.
+        """Claims by the ``presses`` and the ``laws`` through them, by a vision algorithm, that of the study if none.
 
         of_scores : False for claims on kappa alone.
         """

@@ -357,7 +357,9 @@ def _recording(
 
 
 def _moved(channel: Channel, start_s: float) -> str:
-    """By how much a channel stands beside its time, as all of a file start with a sample; "" below a microsecond."""
+    """Note on how far a channel is from its time, as all channels of a file start with a sample; "" below a
+    microsecond.
+    """
     offset_s = (channel.start_s - start_s) * channel.fs_hz
     moved_s = (round(offset_s) - offset_s) / channel.fs_hz
     return f"moved by {1e3 * moved_s:+.3g} ms, to its nearest sample" if abs(moved_s) > 1e-6 else ""

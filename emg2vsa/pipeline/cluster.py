@@ -382,7 +382,7 @@ def _version(distribution: str) -> str:
 
 
 def _read_mark(mark: Path) -> str:
-    """What the file holds, if files can be written beside it too; else why not."""
+    """Text of the file, if files can be written beside it too; else the reason why not."""
     try:
         held = mark.read_text()
     except OSError as error:

@@ -31,7 +31,7 @@ from emg2vsa.study import RecordingEntry, Study
 
 STAGES = ("trials", "fits")
 LOOKS: dict[str, Look] = {"good": "good", "usable": "doubtful", "repeat": "bad", "unreadable": "bad"}
-"""Of the words of verdicts on a terminal."""
+"""Looks of the words of verdicts on a terminal."""
 POLL_S = 0.25
 """A file that has kept its size and time over two looks so far apart is complete."""
 

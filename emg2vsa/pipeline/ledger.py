@@ -93,7 +93,7 @@ class Ledger:
         return self._entries.keys()
 
     def loaded(self, step: str) -> list[tuple[str, ...]]:
-        """What the kept entries of a step loaded, the newest first."""
+        """Libraries that the kept entries of a step loaded, the newest first."""
         return [tuple(entry.loaded) for entry in self._entries.get(step, ())]
 
     def keys(self, step: str) -> list[str]:

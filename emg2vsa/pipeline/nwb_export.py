@@ -49,7 +49,7 @@ _UNITS = {
     "n": "newtons", "nm": "newton meters", "deg": "degrees", "ticks": "ticks", "ma": "milliamperes", "a": "amperes",
     "s": "seconds",
 }  # fmt: skip
-"""By the end of a column's name."""
+"""Units by the end of a column's name."""
 _COMMANDED = re.compile(r"(position|preset)(_|$)")
 _FRAMES_AT_ONCE = 16
 

@@ -19,7 +19,7 @@ from emg2vsa.pipeline.stage_order import REPORTS
 from emg2vsa.study import Study
 
 OWNER_FILE = ".study.json"
-"""In the folder of a report: the study that it is of."""
+"""File in the folder of a report that names its study."""
 NOT_RECORDINGS = {
     ".json", ".md", ".toml", ".html", ".py", ".cal", ".pdf", ".docx", ".gitignore", ".bidsignore", ".svg",
     ".tex", ".png",

@@ -121,12 +121,12 @@ class StepPlan:
         return {kernel: count for kernel, count in sorted(made.items()) if kernel not in ("", blas_kernel())}
 
     def kernel_of(self, step: Step) -> str:
-        """Of BLAS, that made the result of a step; "" where nobody noted it."""
+        """BLAS kernel that made the result of a step; "" where nobody noted it."""
         entry = self.ledger.with_key(step.id, step.key)
         return "" if entry is None else entry.kernel
 
     def given(self, step: Step) -> Given:
-        """What the step's ``run`` gets; the states of files that earlier steps wrote are noted as ``reads``."""
+        """Inputs of the step's ``run``; the states of files that earlier steps wrote are noted as ``reads``."""
         own = stage(step.stage)
         taken: dict[str, list[Path]] = {need: [] for need in own.needs}
         taken_steps: list[Step] = []

@@ -103,7 +103,7 @@ def _sessions(study: Study) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def _tables(rig: RigFile) -> dict[str, Any]:
-    """Of a rig file all that is no address and no way to its devices."""
+    """Tables of a rig file without addresses and ways to its devices."""
     camera, emulated = rig.devices.camera, rig.emulated
     return {
         "rig": asdict(rig.rig),
@@ -151,7 +151,7 @@ def _runs(study: Study, prints: Fingerprints) -> dict[str, tuple[Run, list[str]]
 
 
 def _mounting(folder: Path, place: int) -> int:
-    """Of a run, as its plan tells; else its place among the folders of its specimen, angle and condition."""
+    """Mounting of a run, as its plan tells; else its place among the folders of its specimen, angle and condition."""
     with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
         if isinstance(told := json.loads((folder / PLAN_OF_RUN).read_text("utf-8"))["plan"]["mounting"], int):
             return told

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 def profile_settings(campaign: Campaign, counts: Any) -> dict[str, Any]:
-    """Of the stages that compare trends. counts : what of [profile] is part of the key."""
+    """Settings of the stages that compare trends. counts : what of [profile] is part of the key."""
     study = campaign.study
     return {
         "profile": Keyed(study.profile, counts),
@@ -29,7 +29,7 @@ def profile_settings(campaign: Campaign, counts: Any) -> dict[str, Any]:
 
 
 def emulation_settings(campaign: Campaign, item: str) -> dict[str, Any]:
-    """Of the other runs no more than the place of this one among them: neither names nor stiffness of specimens."""
+    """Settings of one run. Of the other runs they hold only the place of this run among them."""
     assert campaign.rig is not None
     assert campaign.rig.emulated is not None
     run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
@@ -68,11 +68,11 @@ def emulated_domes(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
 
 
 def _other_actuator(settings: ActuatorSettings) -> dict[str, Any]:
-    """Of the emulated qbmove [emulated] says all; addresses say nothing of any."""
+    """Settings of an actuator that [emulated] does not describe; addresses are left out."""
     return {} if settings.kind == "qbmove" else {"actuator": replace(settings, port=None, serial_number=None)}
 
 
 def _changed_guards() -> tuple[str, ...]:
-    """Of this program. Who has not loaded the guards has changed none."""
+    """Guards that differ from those of this program. A process that has not loaded the guards has changed none."""
     guards = sys.modules.get("emg2vsa.rig.executor.guards")
     return guards.changed_guards() if guards else ()

@@ -29,7 +29,7 @@ class WrittenFiles:
     digests: tuple[str, ...]
 
     def trouble(self, folder: Path, prints: Fingerprints) -> str:
-        """Which of them is not there as it was written; "" where all are."""
+        """Name of a file that is not there as it was written; "" where all are."""
         for name, known in zip(self.names, self.digests, strict=True):
             found = prints.file(f"{folder}/{name}")
             if found != known:

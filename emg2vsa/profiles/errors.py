@@ -27,12 +27,12 @@ Unit = Literal["press", "person"]
 
 
 _ROUNDING = 1e-9
-"""Of the largest value: presses that differ by no more are equal."""
+"""Share of the largest value: presses that differ by no more are equal."""
 
 
 @dataclass(frozen=True)
 class MeanErrors:
-    """Of mean a and b of S specimens, from up to R presses of one person, or R people."""
+    """Errors of mean a and b of S specimens, from up to R presses of one person, or R people."""
 
     specimens: tuple[str, ...]
     unit: Unit
@@ -69,7 +69,8 @@ class MeanErrors:
 def mean_errors(
     fits: Fits, rows: NDArray[np.bool_], specimens: Sequence[str], unit: Unit, *, presses_weigh: bool = False
 ) -> MeanErrors:
-    """Of the trials ``rows`` (n,) of ``fits``, in the order they were made; of one person where the unit is the press.
+    """Errors of the means of the trials ``rows`` (n,) of ``fits``, in the order they were made; of one person where
+    the unit is the press.
 
     presses_weigh : people weigh by their presses, as in the mean over all presses; else each the same.
     """
@@ -89,7 +90,7 @@ def mean_errors(
 def errors_of(
     values: Floats, specimens: Sequence[str], unit: Unit, confidence: float = 0.95, weight: Ints | None = None
 ) -> MeanErrors:
-    """From a and b (S, R, 2) of presses in the order they were made, or of people; NaN where there is none.
+    """Errors from a and b (S, R, 2) of presses in the order they were made, or of people; NaN where there is none.
 
     weight : (S, R) of people in the mean; omitted: the same of all.
     """

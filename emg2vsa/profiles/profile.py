@@ -99,7 +99,7 @@ class Profiles:
     by_rule: tuple[ByRule, ...] = ()
     "The new specimen by the default rule and by the paper's, beside each other; without one that refuses."
     errors: MeanErrors | None = None
-    "Of mean a and b of all measured specimens; None where they are not known."
+    "Errors of mean a and b of all measured specimens; None where they are not known."
 
     def along(self, curve: Curve) -> Profiles:
         """The exported profiles and the new one by the logarithm or by splines, as schedules take them."""

@@ -17,7 +17,8 @@ Splines = Mapping[tuple[str, str], MonotoneSpline]
 
 
 def cell_splines(fits: Fits, use: str, range_n: tuple[float, float]) -> dict[tuple[str, str], MonotoneSpline]:
-    """Of every cell, through all bins of the trials that ``use`` admits, weighted as in their fits of the logarithm.
+    """Splines of every cell through all bins of the trials that ``use`` admits, weighted as in their fits of the
+    logarithm.
 
     range_n : of the spline, N. Without force bins there are none.
     """

@@ -204,7 +204,7 @@ def _of_table(
 _REPEATING = 0.02
 """Fewer steps of another length than the usual are lost or repeated samples, and no rounding."""
 _DRIFT = 0.5
-"""Of a step: the most that times wander about even spacing. One lost sample makes them wander by a whole step."""
+"""Most that times may wander about even spacing, in steps. One lost sample makes them wander by a whole step."""
 _RATES_DIFFER = 0.01
 
 

@@ -56,7 +56,7 @@ def places(
 
 
 def _ranks(values: Sequence[float]) -> list[float]:
-    """From 1; none where a value is unknown, or occurs twice."""
+    """Ranks from 1; none where a value is unknown or occurs twice."""
     known = sorted(value for value in values if value == value)
     if len(set(known)) < len(values):
         return []

@@ -15,7 +15,7 @@ from emg2vsa.recordings import Channel
 from emg2vsa.settings import ForceChannelSettings
 
 _LAST_CODE = 3e-4
-"""Of the range, by which the last code of a 12-bit converter stays below its end."""
+"""Share of the range by which the last code of a 12-bit converter stays below its end."""
 
 
 def force_of_gauges(

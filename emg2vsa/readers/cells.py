@@ -19,7 +19,7 @@ _MISSING = [
     "", "NaN", "nan", "NAN", "-nan", "-NaN", "nan(ind)", "-nan(ind)", "1.#QNAN", "-1.#QNAN", "1.#IND", "-1.#IND", "-",
     "null", "NULL", "Null", "None", "#N/A", "N/A", "NA", "n/a",
 ]  # fmt: skip
-"""As C libraries, spreadsheets, databases and BIDS write a number that is none."""
+"""Missing numbers as C libraries, spreadsheets, databases and BIDS write a number that is none."""
 
 
 @dataclass(frozen=True)

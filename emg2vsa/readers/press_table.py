@@ -181,7 +181,7 @@ def _time(table: TidyTable, beneath: Sequence[str]) -> Floats | None:
 
 
 def _length(stated: Mapping[str, str], word: str) -> float | None:
-    """Of ``Cylinder Height: 30mm`` or ``Height (mm): 30``, millimetres; None where number or unit is missing."""
+    """Length in ``Cylinder Height: 30mm`` or ``Height (mm): 30``, millimetres; None where number or unit is missing."""
     for key, value in stated.items():
         name, unit = _split(key)
         match = re.fullmatch(r"(\d+[.,]?\d*)\s*([a-zµμ]*)", value.strip(), re.IGNORECASE)

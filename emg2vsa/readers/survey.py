@@ -45,7 +45,7 @@ _MEANT = {
 
 
 NO_RATE = "rate not known: state it with --fs"
-"What the guess of a channel ends with that would tell more at a known rate."
+"End of the guess of a channel that would tell more at a known rate."
 
 
 @dataclass(frozen=True)

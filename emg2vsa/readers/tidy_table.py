@@ -53,7 +53,7 @@ class TidyTable:
         )
 
     def described(self) -> list[dict[str, str | int]]:
-        """Of each column its name, whether it holds numbers, how many different cells, and the first."""
+        """For each column its name, whether it holds numbers, how many different cells, and the first."""
         return [
             {"name": name, "kind": "numbers" if name in self.numeric() else "text", "different": len(set(texts)),
              "first": texts[0]}
@@ -118,7 +118,7 @@ def table_below(path: Path, text: TextFile, lines: Sequence[Line]) -> TidyTable:
 
 
 def _cells(path: Path, dialect: Dialect, rows: Sequence[Line], width: int) -> tuple[tuple[str, ...], ...]:
-    """As many cells as names in every row; blank ones beyond are dropped, missing ones are blank."""
+    """Rows with as many cells as names; blank ones beyond are dropped, missing ones are blank."""
     if dialect.separator == WHITESPACE:
         split = [line.text.split() for line in rows]
     else:

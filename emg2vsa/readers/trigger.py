@@ -16,7 +16,7 @@ from emg2vsa.errors import RecordingError
 from emg2vsa.readers.opened import StoredChannel
 
 LOW, HIGH = 0.25, 0.75
-"Of the way from the trigger's lowest to its highest value: an edge leads from below the one to above the other."
+"Shares of the way from the trigger's lowest to its highest value: an edge leads from below the one to above the other."
 AGREE_S = 0.005
 "Edges of one trigger lie equally far apart in both files, but for this."
 
@@ -61,7 +61,7 @@ def clock_offset_s(emg_file: Path, emg: StoredChannel, force_file: Path, force: 
 def _agreement_s(
     where: str, emg_file: Path, emg: StoredChannel, emg_s: NDArray[np.float64], force_s: NDArray[np.float64]
 ) -> float:
-    """By how much the distances of the edges differ; RecordingError where they are not the same edges."""
+    """Largest difference, s, of the distances of the edges; RecordingError where they are not the same edges."""
     if emg_s.size != force_s.size:
         raise RecordingError(
             where, wanted=f"the {emg_s.size} rising edges of channel {emg.name!r} in {emg_file.name}",

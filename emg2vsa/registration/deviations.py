@@ -105,7 +105,9 @@ class Registered:
         return f"{said} are not there yet" if said else ""
 
     def state(self, judged: Judged) -> str:
-        """Of a verdict: "registered", which may be "after data", with "deviates: ..." and why; or "not registered"."""
+        """State of a verdict: "registered", which may be "after data", with "deviates: ..." and why; or "not
+        registered".
+        """
         key, now = judged.claim.key, claim_plan(judged)
         if key not in self.claims:
             return "not registered"

@@ -43,7 +43,7 @@ def _signed(content: Plain) -> Plain:
 
 
 def _sha256(value: Any) -> str:
-    """Of the value as JSON with sorted keys, no blanks, and as many digits as each number has."""
+    """SHA-256 of the value as JSON with sorted keys, no blanks, and as many digits as each number has."""
     text = json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
     return hashlib.sha256(text.encode()).hexdigest()
 

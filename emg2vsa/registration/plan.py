@@ -36,7 +36,7 @@ _OF_THE_PLACE = (
 """Keys of [session] that say where and in which language it is run. Of the devices, kind and delay are registered."""
 EMULATED = "emulated rig"
 _PRESSES = 2
-"""Of each cell of a table that stands for data: as many as claims ask for before they look at numbers."""
+"""Presses of each cell of a table that stands for data: as many as claims ask for before they look at numbers."""
 
 
 def plan_of(study: Study, rig: Plain, runs: Mapping[str, Run]) -> Plain:
@@ -73,7 +73,7 @@ def _source(study: Study) -> Plain:
 
 
 def plain(value: Plain) -> Plain:
-    """As JSON has it, digits of numbers kept."""
+    """The value as JSON has it, digits of numbers kept."""
     return dict(json.loads(json.dumps(value)))
 
 
@@ -101,7 +101,7 @@ def _own(study: Study, entry: RecordingEntry) -> Plain:
 
 
 def _spelled(study: Study, file: Path) -> str:
-    """From the study's folder, or where it lies elsewhere from that of the recordings; ``*`` for what is open."""
+    """Path from the study's folder, or from that of the recordings where it lies elsewhere; ``*`` for what is open."""
     place, root = study.path.parent, study.data
     if file.is_relative_to(place):
         said = file.relative_to(place).as_posix()

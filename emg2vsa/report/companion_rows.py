@@ -119,7 +119,7 @@ def group_rows(
 
 
 def _over_people(blocks: BlockTests, style: Style) -> Iterator[tuple[str, str, str]]:
-    """That which allows for unequal scatter first."""
+    """Tests over people, first the one that allows for unequal scatter."""
     gg, hf = (bounded(float(e[0]), 2) for e in (blocks.repeated.epsilon_gg, blocks.repeated.epsilon_hf))
     sphericity = f"sphericity ε: GG {gg}, HF {hf}"
     for found, more in (blocks.repeated.outcome(), sphericity), (blocks.mixed, ""), (blocks.friedman.outcome(), ""):

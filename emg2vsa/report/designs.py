@@ -97,7 +97,7 @@ def ends_of(found: Any, i: int) -> tuple[float, float, float]:
 
 
 def looks(results: StudyResults) -> dict[str, Look]:
-    """Of every specimen that was pressed; those of the study keep their own."""
+    """Looks of every specimen that was pressed; those of the study keep their own."""
     found = tested(results)
     new = found.new.name if found.new else None
     others = [name for name in found.table.specimens if name != new]

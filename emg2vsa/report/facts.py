@@ -171,7 +171,7 @@ def told_of_specimens(study: Study) -> Told:
 
 
 def told_of_plan(registered: Registered | None) -> Told:
-    """Of the registered plan, None where there is none."""
+    """Facts of the registered plan, None where there is none."""
     if registered is None:
         return {}
     points = [f"{each.what} ({each.registered} when registered, {each.now} now)" for each in registered.of_plan]

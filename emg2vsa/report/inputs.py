@@ -41,7 +41,7 @@ class People:
     profiles: Profiles | None = None
     schedules: tuple[Schedule, ...] = ()
     truth: Truth | None = None
-    "Of a simulated study: (participant, specimen, repetition) to the true (a, b) in volts."
+    "Truth of a simulated study: (participant, specimen, repetition) to the true (a, b) in volts."
 
     def verdict_counts(self) -> dict[str, int]:
         """Trials by verdict."""
@@ -83,7 +83,7 @@ class StudyResults:
     paths: Paths | None = None
     "Verdicts along other paths of analysis; None unless somebody asked for them."
     presets: IndexPresets | None = None
-    "Of the schedules, by index of co-contraction."
+    "Presets of the schedules, by index of co-contraction."
     plates: PlateTests | None = None
     "Indentations of the specimens by a flat plate, where there are logs."
     run_order: str = ""

@@ -55,7 +55,7 @@ def most(values: Floats) -> float:
 
 
 def median(values: Floats) -> float:
-    """Of those of (n,) that are numbers; NaN where none is finite."""
+    """Median of the finite values of (n,); NaN where none is finite."""
     return float(np.nanmedian(values)) if np.isfinite(values).any() else np.nan
 
 

@@ -151,7 +151,7 @@ def _equation(name: str, value: str, style: Style, relation: str = "=", of: str 
 
 
 def pair_words(found: PairPower, design: str, n: int, target: float) -> tuple[dict[str, Any], list[str]]:
-    """Of two treatments; n : people, of each group for "equal-groups". target : the wanted power."""
+    """Words on the power of two treatments; n : people, of each group for "equal-groups". target : the wanted power."""
     groups, paired = design == "equal-groups", design == "paired"
     of = f"to find equality within {found.margin:g} SD where the true difference is {found.effect:g} SD"
     name, least = "smallest_margin", "margin shown"
@@ -170,7 +170,9 @@ def pair_words(found: PairPower, design: str, n: int, target: float) -> tuple[di
 def repeated_words(
     power: float, needed: int, table: PowerTable, n: int, m: int, target: float, *, sensitivity: bool
 ) -> tuple[dict[str, Any], list[str]]:
-    """Of n people measured m times each. needed : 0 where more than a million. sensitivity : lines of the table too."""
+    """Words on the power of n people measured m times each. needed : 0 where more than a million. sensitivity :
+    lines of the table too.
+    """
     lines = [
         f"power {power:.4f} with {n} participants measured {m} times each",
         f"participants needed for power {target:g}: {needed or 'more than a million'}",

@@ -11,7 +11,7 @@ from emg2vsa.study import Person
 _SEX = {"f": "female", "m": "male", "o": "other"}
 _HAND = {"r": "right", "l": "left", "a": "ambidextrous"}
 FEWEST_TOLD = 5
-"Of fewer people single ones could be known by what is said."
+"Fewest people of whom anything is told. Single people of a smaller group could be recognised."
 
 
 def about_people(people: Sequence[Person]) -> str:

@@ -12,7 +12,7 @@ from emg2vsa.report.wording import activity, bounded, p_text
 
 
 def people_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]:
-    """By the key of the claim; without fits of people none."""
+    """The paper's tests on people, by the key of the claim; none without fits of people."""
     if results.people is None:
         return {}
     of_tests = _tests(results.people.hypotheses, q) if results.people.hypotheses else {}

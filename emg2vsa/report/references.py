@@ -33,7 +33,7 @@ class Work(NamedTuple):
 
     @property
     def text(self) -> str:
-        """As a list of references prints it, without the DOI."""
+        """The reference as a list of references prints it, without the DOI."""
         authors = self.authors.replace(" and ", "; ")
         return f"{authors} ({self.year}). {self.title}. {self.journal} {self.volume}, {self.pages}."
 

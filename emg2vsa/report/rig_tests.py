@@ -26,7 +26,7 @@ _CUTS = {"vision": "18, 15 points", "human_like": "4, 9 points", "both": f"3 (50
 
 
 def rig_tests(results: StudyResults, q: Quantities) -> dict[str, PaperTest]:
-    """By the key of the claim; of claims that the paper tests."""
+    """The paper's tests on the rig, by the key of the claim; only claims that the paper tests."""
     found = results.runs.discrimination if results.runs else None
     tests = {} if found is None else dict(_by_ranks(q, f", by {found.table.algorithm}"))
     hexagons = results.study.scoring.recipe_of(NEW).area_rule == NEW

@@ -120,7 +120,7 @@ class RunOrder:
         return _told(self.order, self.seed)
 
     def place(self, run: Run) -> int:
-        """From 1."""
+        """Place from 1."""
         return self.runs.index(run) + 1
 
 

@@ -20,7 +20,7 @@ from emg2vsa.settings import WindowSettings
 
 SOURCE = "Moduli: Dawood et al. 2026, Tissue Phantom Material Database, CC BY 4.0"
 OFF_SD = 0.067
-"""By which kappa of a casting differs from what this module says, a standard deviation as a share: root mean square
+"""SD by which kappa of a casting differs from what this module says, as a share: root mean square
 over the ten mixtures (``benchmarks.silicone``)."""
 _SHAPES = (0.4, 1.0)
 """Height over diameter: of a flatter cylinder the ends decide, a higher one bends."""
@@ -121,7 +121,7 @@ def recipe_for(
 
 
 def _height(silicone: Silicone, wanted: float, diameter_mm: float, range_n: tuple[float, float]) -> float | None:
-    """Of a cylinder of this stiffness, within the shapes that are cast; to a tenth of a millimetre."""
+    """Height of a cylinder of this stiffness, within the shapes that are cast; to a tenth of a millimetre."""
 
     def above(height: float) -> float:
         return kappa_of(silicone, Cylinder(diameter_mm, height), range_n)[0] - wanted

@@ -170,7 +170,7 @@ def study_says(path: Path) -> Asked:
 
 
 def _sizes(path: Path, tables: object) -> Iterator[tuple[str, Cylinder]]:
-    """Of [[specimens]] that have both. DataError : what is no size."""
+    """Sizes of [[specimens]] that have both. DataError : what is no size."""
     for place, table in enumerate(tables if isinstance(tables, list) else ()):
         if not isinstance(table, dict) or not {"diameter_mm", "height_mm"} <= table.keys():
             continue

@@ -39,18 +39,21 @@ _ROUNDS = 3
 _SMOOTH = 5
 """Readings of the force to average, half of them before the moment and half after: noise would be taken for contact."""
 _EXPONENTS = np.arange(0.5, 1.65, 0.1)
-"""Of the motion of pins over force. More freedom than a power was tried, and let the shift drift by 10 to 20 ms."""
+"""Exponents of the motion of pins over force. More freedom than a power was tried, and let the shift drift by 10 to
+20 ms.
+"""
 
 
 @dataclass(frozen=True)
 class CameraDelay:
-    """From exposure to arrival. delay_s : mean of the presses. half_width_s : of its 95 % confidence interval, to which
-    ``SYSTEMATIC_S`` is to be added."""
+    """Time from exposure to arrival. delay_s : mean of the presses. half_width_s : of its 95 % confidence interval,
+    to which ``SYSTEMATIC_S`` is to be added.
+    """
 
     delay_s: float
     half_width_s: float
     by_press_s: tuple[float, ...]
-    "In the order of the presses that could be used."
+    "Delays in the order of the presses that could be used."
     left_out: tuple[str, ...]
     "Why others could not."
     set_s: float

@@ -21,7 +21,7 @@ ALIKE = 0.1
 
 
 def notes_on_height(height_mm: float | None) -> tuple[str, ...]:
-    """Of a specimen of this height, mm, that is scored by the tables that come with casr."""
+    """Notes on a specimen of this height, mm, that is scored by the tables that come with casr."""
     if height_mm is None or abs(height_mm / USUAL_HEIGHT_MM - 1) <= ALIKE:
         return ()
     return (

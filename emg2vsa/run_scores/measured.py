@@ -24,7 +24,7 @@ from emg2vsa.settings import RECIPES, Recipe, RunSettings
 
 @dataclass(frozen=True, eq=False)
 class Numbers:
-    """Of one algorithm, NaN where it finds nothing; ``missing`` : why there is no rate.
+    """Numbers of one algorithm, NaN where it finds nothing; ``missing`` : why there is no rate.
 
     area, outlines_px : (T,) and T outlines, of the frames. over_array : the largest area over that of the pin array,
     where it is above it, so that there is no rate.
@@ -162,7 +162,7 @@ class Measured:
         return Numbers(a_c0, a_c0 * growth, float(times * rate.value), area, found.regions)
 
     def _array_area(self, found: SkinScore, initial: InitialArea) -> float:
-        """Of the pin array in the first frame, in the unit of areas: no contact is larger."""
+        """Area of the pin array in the first frame, in the unit of areas: no contact is larger."""
         scale = 1.0 if initial.area_mm2 is None else initial.area_mm2 / initial.area_px2
         return scale * array_area_px2(undistorted(found.contact_px, self._frames.camera))
 

@@ -126,7 +126,7 @@ def _counted(press: Press, settings: RunSettings, found: ScoredPress | None) -> 
 
 
 def _missing(scored: Sequence[ScoredPress | None], algorithm: str) -> Iterator[str]:
-    """Of the runs' algorithm and the paper's: how many presses have no spread rate, and why the first of them."""
+    """Presses without a spread rate, by the runs' algorithm and the paper's, and why the first has none."""
     for name in dict.fromkeys((algorithm, "paper")):
         reasons = [found.missing[name] for found in scored if found and name in found.missing]
         if reasons:

@@ -166,7 +166,7 @@ def _schedule(
 
 
 def _full_preset(settings: ScheduleSettings) -> float:
-    """In the joint's own unit. ScheduleError where the study does not say it."""
+    """Full preset in the joint's own unit. ScheduleError where the study does not say it."""
     export = export_of(settings.actuator)
     value = getattr(settings, export.limit, None)
     if value is None:

@@ -15,7 +15,7 @@ CONDITIONS = ("modular", "constant-min", "constant-mean", "constant-max")
 
 
 def step_tolerance_n(width_n: float) -> float:
-    """By how much two force steps may differ and still count as equal: edges are rounded to 1e-9 N."""
+    """Largest difference of two force steps that count as equal: edges are rounded to 1e-9 N."""
     return 1e-6 * width_n + 2e-9
 
 
@@ -33,7 +33,7 @@ class Ramp:
 
 @dataclass(frozen=True)
 class Limits:
-    """What the schedule may ask of which device.
+    """Limits of what the schedule may ask of which device.
 
     ``stiffness_percent`` are the ends of mapping (7), in percent of the device's maximum on ``scale``: "preset" or
     "stiffness" (N m/rad at zero load). ``full_preset`` is that of the joint ``actuator``, in its own unit.
@@ -46,7 +46,7 @@ class Limits:
 
     @cached_property
     def joint(self) -> Joint:
-        """What the presets are of. ScheduleError for a name that no joint has."""
+        """Joint that the presets are for. ScheduleError for a name that no joint has."""
         return self.export.joint(self.actuator, self.full_preset)
 
     @property

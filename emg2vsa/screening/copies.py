@@ -14,7 +14,7 @@ from emg2vsa.signals.traits import Traits
 Key = tuple[str, str]
 "Participant and specimen."
 Found = tuple[Key, str, str, float, Verdict]
-"Of which recording, the cause, the sentence, the share of b, the verdict."
+"What was found: recording, cause, the sentence, the share of b, the verdict."
 
 SAME = 0.97
 "Correlation of the fluctuations of two presses that are one; independent presses of 32 points reach 0.8."

@@ -83,8 +83,9 @@ class LineFitter(NamedTuple):
         return ClockLine(slope, likely, slope_se, above_s, se_s, is_stated, is_steady, is_even)
 
     def level(self, levels: Floats, *, amid: bool) -> float:
-        """Of the line, s, from those of its points (n,). Stamps are early and late; where samples were lost few
-        arrivals are misplaced, and seem early."""
+        """Level of the line, s, from the levels of its points (n,). Stamps are early and late; where samples were
+        lost few arrivals are misplaced, and seem early.
+        """
         return float(np.quantile(levels, 0.5 if self.stamped else LOWER if amid else 0.0))
 
 

@@ -248,14 +248,14 @@ class _Stay:
 
 
 def _order(plan: Plan) -> Json:
-    """Of the specimens in the session, and by what rule."""
+    """Order of the specimens in the session, and its rule."""
     pressed = dict.fromkeys(press.specimen for press in plan.presses if press.phase == "main")
     kind = {"kind": plan.settings.get("session", {}).get("order", "n/a")}  # earlier plans tell no more
     return {key.capitalize(): told for key, told in {**kind, **plan.order, "specimens": list(pressed)}.items()}
 
 
 def _electrodes(channels: Sequence[Channel], settings: SessionSettings) -> Electrodes:
-    """Of all muscles, as electrodes.tsv has them."""
+    """Electrodes of all muscles, as electrodes.tsv has them."""
     places, about = settings.places, settings.about
     pairs = {channel.pair_name: channel.muscle for channel in channels if channel.muscle}
     known = {name: places.pairs[muscle] for name, muscle in pairs.items()} if places else dict.fromkeys(pairs)
@@ -281,7 +281,7 @@ def _device(signals: StaySignals) -> dict[str, str]:
 
 
 def _band_hz(signals: StaySignals, muscle: str, about: SessionAbout) -> tuple[float, float] | None:
-    """Of the amplifier's own filters, as the study file or the device says."""
+    """Band of the amplifier's own filters, Hz, as the study file or the device says."""
     told = re.fullmatch(r"([0-9.]+) to ([0-9.]+) Hz", signals.emg.facts.get(f"{muscle}, band", ""))
     return about.band_hz or ((float(told[1]), float(told[2])) if told else None)
 

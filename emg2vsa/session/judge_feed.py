@@ -86,7 +86,7 @@ class JudgeFeed:
         self._waiting[stream].append(arrived)
 
     def begin(self, state: SessionState) -> None:
-        """What the judge knows of the stay begins now."""
+        """Begin what the judge knows of the stay."""
         specimen = "" if state.stay is None else state.stay.specimen
         self._flush_all()
         how = how_judged(self._study, self._participant, specimen)

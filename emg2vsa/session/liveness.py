@@ -17,7 +17,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.devices.streams import StreamInfo
 
 WINDOW_S = 0.9
-"Of so long a time the samples are looked at: what is wrong from the start is told within 2 s."
+"Time over which samples are looked at. A fault that is there from the start is told within 2 s."
 TOO_FEW = 0.65
 "A stream that sends a smaller share of its samples is told; a radio that loses so many is none."
 
@@ -32,7 +32,7 @@ class _Came(NamedTuple):
 
 
 class Liveness:
-    """Of one stream, whose source states ``info``. begun_s : from when on it is heard."""
+    """Liveness of one stream whose source states ``info``. begun_s : time from which on it is heard."""
 
     def __init__(self, info: StreamInfo, begun_s: float) -> None:
         self._info, self._begun_s = info, begun_s

@@ -33,13 +33,13 @@ LOST_S = 1.0
 Maker = Callable[[], Source]
 """Opens a device anew, not started: when the session begins, and whenever the device was lost."""
 Makers = tuple[Maker, Maker]
-"""Of the source of the EMG, and of that of the force."""
+"""Makers of the source of the EMG and of that of the force."""
 
 
 def source_makers(
     settings: SessionSettings, muscles: Sequence[str], clock: Clock, *, rig_force: ForceSettings | None = None
 ) -> Makers:
-    """Of EMG and force. They raise SettingError and DeviceError as the kinds of the devices do.
+    """Makers of the sources of EMG and force. They raise SettingError and DeviceError as the kinds of the devices do.
 
     Parameters
     ----------
@@ -96,7 +96,9 @@ def _other_orders(study: Study, participant: str) -> Iterator[str]:
 
 
 def place_of(study: Study, participant: str) -> int:
-    """Of the participant in a design, from 0: among those planned, unless an earlier visit has taken another one."""
+    """Place of the participant in a design, from 0: among those planned, unless an earlier visit has taken another
+    one.
+    """
     places = {visit: study.participants.index(participant) + i for i, visit in enumerate(study.visits or ("",))}
     for visit, path in ((visit, folder_of(study.at_visit(visit or None), participant) / PLAN_FILE) for visit in places):
         if path.is_file() and (taken := read_plan(path).order.get("place")):

@@ -30,7 +30,7 @@ from emg2vsa.session_settings import TriggerMark
 T = TypeVar("T")
 _COMMANDS = {"start": "START", "stop": "STOP", "press": "press-begun"}
 _MARKS: dict[str, TriggerMark] = {"START": "start", "STOP": "stop", "verdict": "verdict"}
-"""Of what happened: the mark of the trigger."""
+"""Mark of the trigger, by what happened."""
 
 
 class Outlets:

@@ -39,7 +39,7 @@ class Attempt:
 
     @property
     def reaction_s(self) -> float | None:
-        """From START to the lower force, s; None for an early press or before it."""
+        """Time from START to the lower force, s; None for an early press or before it."""
         return None if self.early or self.begun_s is None else self.begun_s - self.start_s
 
 

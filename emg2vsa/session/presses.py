@@ -255,7 +255,7 @@ class Presses:
         return sum(tried.decision == "repeat" for tried in self.tried if tried.press.number in own)
 
     def place(self, press: PlannedPress) -> tuple[int, int]:
-        """Which of how many presses of its phase it is, from 1."""
+        """Number of the press, from 1, and count of the presses of its phase."""
         own = [each.number for each in self.in_order if each.phase == press.phase]
         return own.index(press.number) + 1, len(own)
 

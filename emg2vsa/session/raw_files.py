@@ -29,7 +29,7 @@ from emg2vsa.errors import DataError
 
 _MAGIC, _BLOCK = b"E2VSAMP1", b"BLK1"
 _HEAD = struct.Struct("<IIQdI")
-"""Of a block, after its mark."""
+"""Head of a block, after its mark."""
 _COUNTED = struct.Struct("<IIQd")
 _LENGTH = struct.Struct("<I")
 _LARGEST_HEAD = 1_000_000
@@ -116,7 +116,7 @@ class SampleFile:
 
 
 def _head(path: Path, content: bytes) -> tuple[StreamInfo, int]:
-    """What the head states, and its length."""
+    """Head of the file, and its length."""
     try:
         if not content.startswith(_MAGIC):
             raise ValueError(f"that it begins with {content[: len(_MAGIC)]!r}")

@@ -106,7 +106,7 @@ class SessionRecord:
 
     @property
     def trouble(self) -> str:
-        """What the disk refuses, in a sentence; "" while it takes everything. The session pauses meanwhile."""
+        """Sentence on what the disk refuses; "" while it takes everything. The session pauses meanwhile."""
         return self._disk.trouble
 
     @property

@@ -117,7 +117,7 @@ class RecordedStream:
         self._record.append(ClockFitted(self.name, start_s, fs_hz, self.clock.report().se_s or 0.0, self.next_index))
 
     def view(self, now_s: float) -> DeviceView:
-        """As the operator's page shows it."""
+        """The stream as the operator's page shows it."""
         samples = 0 if self._source is None else self._source.counts().samples
         signs, silent_s = self._liveness.problems(now_s), now_s - self._heard_s
         return device_view(self.name, self.clock, signs, samples, self.lost_samples, silent_s, self.lost_why)

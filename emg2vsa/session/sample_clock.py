@@ -25,9 +25,11 @@ from numpy.typing import NDArray
 from emg2vsa.session.clock_line import LATE_S, SPANS, LineFitter
 
 BIN_S, MOST_BINS = 0.1, 512
-"Of each so long a time the earliest arrival is kept; beyond so many, the time is doubled: an hour keeps 12.8 s."
+"""Time of a bin, of which the earliest arrival is kept, and most bins. With more bins their time is doubled: after
+an hour it is 12.8 s.
+"""
 LEARN_S = 3.0
-"Until then the stated rate is believed, and no sample is counted as lost."
+"Time until which the stated rate is believed and no sample is counted as lost."
 FREE = 3e-4
 "No crystal errs by more: samples that come sooner were sent at another rate, or came twice."
 RATE_OFF = 2e-3
@@ -98,7 +100,7 @@ class SampleClock:
         "Number of the sample that arrived earliest in each bin."
         self._ys: list[float] = []
         self._weights: list[int] = []
-        "Of stamps a bin holds the mean: of so many."
+        "Number of stamps whose mean each bin holds."
         self._group: list[tuple[float, float]] = []
         "Stamps of the bin that is not yet full."
         self._seconds: deque[tuple[float, float]] = deque(maxlen=SECONDS)
@@ -163,7 +165,7 @@ class SampleClock:
         return bisect_left(range(stop), time_s, key=self.time_s)
 
     def timing(self, first: int, stop: int) -> Timing:
-        """Of the samples from ``first`` to the one before ``stop``."""
+        """Timing of the samples from ``first`` to the one before ``stop``."""
         lost = zip(self._starts, np.diff(self._gone).tolist(), strict=True)
         inside = tuple((start, n) for start, n in lost if first < start < stop)
         return Timing(first, self.time_s(first), 1 / self._slope, inside)

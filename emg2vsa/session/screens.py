@@ -11,7 +11,7 @@ from emg2vsa.session.views import ScreenReport
 TOLD_S, NEWS_S = 10.0, 1.0
 "A screen without news is told to the journal so often; one with news no more often."
 COMMAND_MS = 50.0
-"From command to frame in 95 % of all; what is later is told with its remedy."
+"Time from command to frame in 95 % of all cases. Later frames are told with a remedy."
 HIDDEN = "The participant's page is hidden. Bring it to the front, full screen."
 
 

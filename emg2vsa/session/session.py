@@ -43,7 +43,7 @@ BETWEEN_PRESSES = "The specimen was pressed between presses. It counts as no pre
 CLOCK_TOLD_S = 60.0
 "How often the clocks of the devices are told to the journal."
 LAST_LINES_S = 2.0
-"At the end the disk has so long to take the last lines before the page shows how the session ended."
+"Time that the disk has to take the last lines before the page shows how the session ended."
 
 
 class Session:
@@ -252,7 +252,7 @@ class Session:
             self._tell_verdict(ended, attempt, StayJudged())
 
     def _lost_share(self, lasted_s: float) -> float:
-        """Of the samples of the worse stream since START."""
+        """Share of lost samples of the worse stream since START."""
         streams = (self.emg, self.force)
         lost = (own.lost_samples - then for own, then in zip(streams, self._lost_at_start, strict=True))
         own_s = max(lasted_s, TURN_S)
@@ -286,7 +286,9 @@ class Session:
         self.force.tell_clock()
 
     def _take_verdicts(self, of: list[Tried], judged: StayJudged) -> None:
-        """Of the press that has ended. A verdict stays: what comes later in a stay is no fault of an earlier press."""
+        """Take the verdicts on the press that has ended. A verdict stays: a later fault in a stay is no fault of an
+        earlier press.
+        """
         for tried in of:
             self._tell_verdict(tried, tried.as_pressed(), judged, self.judge.samples)
         for said, do in judged.remarks:

@@ -48,7 +48,7 @@ class Rules:
 
     @classmethod
     def of(cls, study: Study, participant: str) -> Rules:
-        """Of a study with a table [session]."""
+        """State at the beginning of a study with a table [session]."""
         muscles = tuple(study.recordings[0].channels.emg)
         assert study.session is not None
         title = f"{study.title or study.name}{study.visit and f', visit {study.visit}'}"
@@ -57,7 +57,7 @@ class Rules:
 
 @dataclass(frozen=True)
 class Measurement:
-    """Of the signal quality. step : "rest" or "contraction". It waits for its judge from ``until_s`` on."""
+    """Measurement of the signal quality. step : "rest" or "contraction". It waits for its judge from ``until_s`` on."""
 
     step: str
     until_s: float
@@ -65,7 +65,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class SessionState:
-    """Of the sitting that goes on, but for ``presses``, which are those of all sittings.
+    """State of the sitting that goes on, but for ``presses``, which are those of all sittings.
 
     command : what the participant is told. stay : the press for which the specimen on the table was placed.
     break_until_s : end of the break between two specimens. declined : specimens on which no further press is wanted.
@@ -117,7 +117,7 @@ class SessionState:
 
 
 def begun(rules: Rules, presses: Presses, sitting: int = 1) -> SessionState:
-    """Of a sitting that begins."""
+    """State of a sitting that begins."""
     return SessionState(rules, presses, sitting, checklist=dict.fromkeys(rules.settings.checklist, False))
 
 
@@ -203,7 +203,7 @@ def _told(state: SessionState, text: str) -> dict[str, Any]:
 
 
 def _signals(state: SessionState, event: journal.QualityMeasured) -> tuple[SignalView, ...]:
-    """Of every muscle, whose name each problem has at its beginning or at its end."""
+    """Signals of every muscle. Each problem has the muscle's name at its beginning or at its end."""
     muscles = state.rules.muscles
     if not event.levels_v:  # what made it impossible is told of every muscle
         return tuple(SignalView(muscle, problems=event.problems[:1]) for muscle in muscles)

@@ -28,7 +28,7 @@ from emg2vsa.settings import FilterSettings
 
 JUDGE_ENDED = "the process that judges presses ended; emg2vsa check will judge this press"
 _END_S = 2.0
-"""In which the process that judges must have ended; then it is ended."""
+"""Time in which the process that judges must end by itself; afterwards it is killed."""
 
 
 @dataclass(frozen=True)

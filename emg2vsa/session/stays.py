@@ -29,7 +29,7 @@ LEAD_S, TAIL_S = 2.0, 0.5
 CRYSTAL = 1e-3
 "No crystal is off by more: a rate that is, was stated wrongly."
 _DRIFT_SAMPLES = 0.3
-"By so much of a sample may force and EMG move against each other within a stay, for the sake of whole data records."
+"Most that force and EMG may move against each other within a stay, in samples, so that data records are whole."
 _BEYOND_S = 1.5
 
 

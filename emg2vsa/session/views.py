@@ -9,10 +9,10 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple
 
 Command = Literal["wait", "ready", "start", "press", "stop", "rest", "pause", "done"]
-"""What the participant is to do. start: the finger is not yet on the specimen; press: force rises; stop: lift it."""
+"""Task of the participant. start: the finger is not yet on the specimen; press: force rises; stop: lift it."""
 Direction = Literal["none", "rising", "steady", "falling"]
 DEVICE_NAMES = {"emg": "EMG", "force": "Force"}
-"""Of the streams, as the pages name them."""
+"""Names of the streams on the pages."""
 Speed = Literal["", "too slow", "too fast"]
 
 

@@ -20,7 +20,7 @@ Cause = Literal[
 ]  # fmt: skip
 CAUSES: tuple[Cause, ...] = get_args(Cause)
 TOLD = 0.005
-"Of b: the largest cause of a press has a name from here on."
+"Share of b from which on the largest cause of a press is named."
 LEAST = -0.9
 "A cause that leaves less than a tenth of b is not divided out."
 MUSCLE_SHARE, MUSCLE_S = 0.3, 0.3

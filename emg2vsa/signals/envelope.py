@@ -23,7 +23,7 @@ from emg2vsa.signals.windowed import LONG, filter_windows
 FEWEST_OUT = 16
 "Outputs of a block: narrower matrices multiply more slowly."
 SMALLEST_EXPONENT = -1021
-"Of a power of two whose inverse is finite."
+"Smallest exponent of a power of two whose inverse is finite."
 
 
 @dataclass(frozen=True)

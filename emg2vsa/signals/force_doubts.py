@@ -14,7 +14,7 @@ from emg2vsa.arrays import Floats, median, quantiles, runs_of, slices, sums_of
 FAST_BLOCK_S = 0.025
 "What differs within blocks of this length is faster than 20 Hz."
 LIKE_EMG, LIKE_FORCE = 0.6, 0.05
-"Of the variance, what is faster: EMG has more than the first, force less than the second."
+"Shares of the variance that are faster: EMG has more than the first, force less than the second."
 UPPER, LULLS = 0.4, 3
 "A press rises above this share of the way from the median of force up; so many lulls show what follows a release."
 RECOVERY_S, RECOVERS, BY_LEVEL = 0.4, 0.03, 0.8
@@ -71,7 +71,7 @@ def returns_to_zero(force: Floats, fs_hz: float) -> str:
 
 
 def sampled_slowly(force: Floats, fs_hz: float) -> Iterator[str]:
-    """That raw force (n,) was sampled at less than ``SLOW_HZ``, though its file says ``fs_hz``, both in Hz.
+    """Note that raw force (n,) was sampled at less than ``SLOW_HZ``, though its file says ``fs_hz``, both in Hz.
 
     Force that was held, or interpolated, bends on an even grid only.
     """
@@ -108,7 +108,9 @@ def sampled_slowly(force: Floats, fs_hz: float) -> Iterator[str]:
 
 
 def _fast_share(x: Floats, fs_hz: float) -> float:
-    """Of the variance of (n,) samples, what lies within blocks; 0 of a constant, and where blocks hold one sample."""
+    """Share of the variance of (n,) samples that lies within blocks; 0 for a constant, and where blocks hold one
+    sample.
+    """
     size = round(FAST_BLOCK_S * fs_hz)
     if size < 4 or x.size < 4 * size:
         return 0.0

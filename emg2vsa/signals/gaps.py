@@ -20,9 +20,11 @@ from emg2vsa.signals.spikes import spikes_in
 from emg2vsa.signals.verdicts import HELD_SHARE, HELD_WARNING_S, HELD_WARNING_SAMPLES
 
 WIDEST = 8
-"Of a spike of a few samples only the edges bend; so many samples between two are taken with them."
+"Most samples between two edges that are taken with them: of a short spike only the edges bend."
 STRAIGHT = 1e-9
-"Of the range of EMG around a press: samples that bend by less lie on a line, which somebody drew where they were lost."
+"""Share of the range of EMG around a press: samples that bend by less lie on a line, which somebody drew where they
+were lost.
+"""
 REACH_S = 0.3
 "Gaps are looked for so far before and after a press: the band-pass remembers them."
 

@@ -418,7 +418,7 @@ def _phasors(channels: Sequence[Floats], begins: Ints, size: int, fs_hz: float) 
 
 
 def _offset_hz(phasors: Phasors, time_s: Floats, orders: Ints) -> float:
-    """By how much the mains is off its nominal frequency: where neighbouring pieces agree best."""
+    """Difference of the mains from its nominal frequency, Hz: where neighbouring pieces agree best."""
     strongest = int(np.argmax(np.sum(np.abs(phasors) ** 2, axis=(0, 2))))
     order, phasor = int(orders[strongest]), phasors[:, strongest]
     product = np.sum(phasor[:, 1:] * phasor[:, :-1].conj(), axis=0)

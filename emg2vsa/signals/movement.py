@@ -127,7 +127,7 @@ def change_by_disturbance(
     cause: Cause, force_n: Floats, level: Floats, offsets: Ints, disturbed: tuple[Floats, NDArray[np.bool_]],
     without: tuple[Floats, NDArray[np.bool_]], error: Floats | float = 0.0,
 ) -> Shift:  # fmt: skip
-    """By how much a cause that was taken out had changed b of each press, as a share of what b is without it.
+    """Change of b of each press by a cause that was taken out, as a share of what b is without it.
 
     disturbed, without : activity (N,), and which of its samples there would be with the cause, and are without it.
     """

@@ -15,7 +15,7 @@ SEGMENT_S = 0.25
 "Spectra are means over segments of this length (Hann window, half overlapping), 4 Hz fine."
 HIGHEST_HZ = 500.0
 EMG_FROM_HZ = 10.0
-"Below, baseline and movement would set the median frequency."
+"Below this frequency, baseline and movement would set the median frequency."
 
 
 @dataclass(frozen=True)
@@ -39,8 +39,9 @@ class EmgOverview:
 
 
 def emg_overview(samples: Sequence[Floats], fs_hz: float, start_s: float, presses: Ints, rests: Ints) -> EmgOverview:
-    """Of raw samples (n,) of each muscle, V; presses, rests : (p, 2), (r, 2) first and last-plus-one samples. Spectra
-    by Welch (1967)."""
+    """Overview of raw samples (n,) of each muscle, V; presses, rests : (p, 2), (r, 2) first and last-plus-one
+    samples. Spectra by Welch (1967).
+    """
     size = max(1, -(-samples[0].size // COLUMNS))
     low_v, high_v, mean_v = np.moveaxis(np.array([_columns(x, size) for x in samples]), 1, 0)
     length = max(8, round(SEGMENT_S * fs_hz))

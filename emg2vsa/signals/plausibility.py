@@ -27,7 +27,7 @@ LEVEL_V = (1e-6, 5e-3)
 "Envelope of surface EMG during a press."
 USUAL_V = 50e-6
 POWERS = (-6, -3, 3, 6)
-"Of ten: a unit that is taken for another, or an amplifier's gain that was not divided out."
+"Powers of ten: a unit that is taken for another, or an amplifier's gain that was not divided out."
 LARGEST_RATIO, WITH_NOISE = 50.0, 5.0
 "Between the envelopes of two muscles of one forearm; and where those at rest differ by as much, as by a gain."
 SAME, CROSSTALK = 0.9, 0.4
@@ -37,7 +37,7 @@ BLOCK_S = 0.25
 MAINS_WIDTH_HZ = 6.0
 "So far from a mains line its leakage is looked past."
 LOWEST_FS_HZ = 400.0
-"Below, a good part of the power of EMG lies above half the rate."
+"Below this rate, a good part of the power of EMG lies above half the rate."
 EMG_ABOVE_HZ, EMG_SHARE = 20.0, 0.2
 "Raw EMG has more than this share of its power above this frequency."
 SLOW_S, WANDER, HIGH_PASS_HZ = 0.05, 3.0, 10.0
@@ -64,7 +64,7 @@ standard errors above none: envelopes of few motor units, or of a narrow band, a
 FORCE_UNITS = {"lbf": 4.448222, "kgf": 9.80665, "gf": 1 / 101.97162, "mN": 1e-3, "kN": 1e3}
 "Newtons in a unit that force may have been stored in."
 PEAK_RANGE = (0.95, 1.5)
-"Of the upper force of the window: where the peak of a press lies."
+"Range of the peak of a press, as shares of the upper force of the window."
 
 COARSE_VALUES, COARSE_PIECE = (3, 40), 4096
 """EMG whose first samples of a press, so many, hold no more values than these is stored in steps of a fifth of its

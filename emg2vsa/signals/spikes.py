@@ -35,7 +35,7 @@ class Profile:
 
     @staticmethod
     def of(signals: Signals) -> list[Profile]:
-        """Of each muscle."""
+        """Spikes of each muscle."""
         inside = signals.force_n[signals.force_n > 0]
         low, high = (float(inside.min()), float(inside.max())) if inside.size else (0.5, 1.0)
         edges = np.linspace(np.log(low), np.log(max(high, low * 1.01)), 13)

@@ -82,8 +82,9 @@ def traits_of(
     envelopes_v: Floats,
     offsets: Ints,
 ) -> Traits:
-    """Of raw ``samples`` (n,) by muscle, rests (r, 2) in them, the mean envelopes ``levels_v`` (m, p) of the presses,
-    and force (N,) and envelopes (m, N), press i at ``[offsets[i]:offsets[i + 1]]``."""
+    """Traits of raw ``samples`` (n,) by muscle, rests (r, 2) in them, the mean envelopes ``levels_v`` (m, p) of the
+    presses, and force (N,) and envelopes (m, N), press i at ``[offsets[i]:offsets[i + 1]]``.
+    """
     resting, pressing = overview.resting, overview.pressing
     resting = np.nan_to_num(resting)
     smooth = median_filter(resting, size=(1, 11))

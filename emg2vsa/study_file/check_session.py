@@ -58,7 +58,7 @@ def _orders(session: SessionSettings, specimens: tuple[SpecimenTable, ...], ids:
 
 
 _NAMING = ("name", "birth", "dob", "mail", "phone", "address", "initial", "passport", "insurance", "participant_id")
-"""In the name of a column, it would say who somebody is."""
+"""Words that a column's name must not hold: such a column would say who somebody is."""
 
 
 def _form(session: SessionSettings) -> Iterator[Problem]:

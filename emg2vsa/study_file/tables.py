@@ -29,7 +29,9 @@ Name = Annotated[str, Pattern(r"[A-Za-z0-9][A-Za-z0-9_.-]*", _WANTED)]
 """Names become parts of file names: ASCII letters, digits, and - _ . after the first."""
 Text = Annotated[str, MinLen(1)]
 MOST_CHANGE = 5
-"""Of a stiffness over its range of force, a share; one that changes by more is no one number."""
+"""Largest change of a stiffness over its range of force, as a share. A stiffness that changes by more is not one
+number.
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,12 +75,12 @@ class SpecimenTable:
     stiffness_range_n: tuple[Positive, Positive] | None = None
     "Forces over which it is that stiffness, newtons; omitted: not known (emg2vsa tools stiffness)."
     stiffness_change: Annotated[float, Gt(-1), Le(MOST_CHANGE)] = 0.0
-    """By what share of it the stiffness grows from the first of these forces to the second; with it a calibration takes
+    """Share by which the stiffness grows from the first of these forces to the second; with it a calibration takes
     the stiffness over the forces of its spread rates (emg2vsa tools stiffness)."""
     plate_adjusted_r2: Annotated[float, Le(1)] | None = None
     "Worst adjusted R2 of its plate indentations, for the report (emg2vsa tools stiffness)."
     diameter_mm: Positive | None = None
-    "Of a cylinder that plates press, mm; with its height its modulus can be told (emg2vsa tools stiffness)."
+    "Diameter of a cylinder that plates press, mm; with its height its modulus can be told (emg2vsa tools stiffness)."
     height_mm: Positive | None = None
     "Its height, mm; with [runs] domes also the thickness that tables of domes are taken for."
     ends: Literal["frictionless", "bonded"] = "frictionless"

@@ -28,7 +28,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
 
 def _that_count(judged: Judgements, specimen: str, cocontraction: CocontractionSettings) -> Judgements:
-    """Of a session's judgements those that a recording depends on: its own, or all where levels are the session's."""
+    """Judgements of a session that a recording depends on: its own, or all where levels are the session's."""
     return judged if cocontraction.needs_session else tuple(own for own in judged if own.specimen == specimen)
 
 

@@ -30,7 +30,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
 
 def _first_files(entry: RecordingEntry) -> tuple[Path, ...]:
-    """Of the first recording of each visit."""
+    """Files of the first recording of each visit."""
     found: dict[str, Path] = {}
     for part in entry.parts:
         found.setdefault(part.visit, part.emg_file)

@@ -14,7 +14,7 @@ USED = (
     "participants", "specimens", "judgements", "cocontraction", "fit", "window", "hypotheses", "profile", "schedule",
     "scoring", "calibration", "claims",
 )  # fmt: skip
-"""What the paths depend on of a study, besides the results that they take."""
+"""Parts of a study that the paths depend on, besides the results that they take."""
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:

@@ -55,7 +55,7 @@ def settings(campaign: Campaign, item: str, *, rig: bool = True) -> dict[str, An
 
 
 def _said_of(people: Sequence[Person]) -> str:
-    """What the report says of them all: the ledger and the authors' package have no personal data."""
+    """Facts that the report tells of all people together: the ledger and the authors' package have no personal data."""
     return about_people(people) if people else ""
 
 
@@ -160,7 +160,9 @@ def _plates(given: Given) -> PlateTests:
 
 
 def _run_order(given: Given) -> str:
-    """As the rig file of an emulated rig says, or as the rig kept it beside its runs. DataError : it is damaged."""
+    """Order of the runs, as the rig file of an emulated rig says, or as the rig kept it beside its runs. DataError :
+    it is damaged.
+    """
     import json
 
     from emg2vsa.errors import DataError
@@ -189,7 +191,9 @@ def _with_plates(study: Study, worst_adj_r2: Mapping[str, float]) -> Study:
 
 
 def _presets(given: Given) -> IndexPresets | None:
-    """From the profile of one person; that of all people takes too long for every report, and is one of the paths."""
+    """Presets from the profile of one person. The profile of all people takes too long for every report; it is one
+    of the paths.
+    """
     from emg2vsa.multiverse import index_presets
     from emg2vsa.screening import Screening
 

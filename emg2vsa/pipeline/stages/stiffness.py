@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
-    """Of the bench only what moves and creeps: neither its scatter nor its devices."""
+    """Settings of the bench that decide how it moves and creeps, without its scatter and its devices."""
     from emg2vsa.devices.device_settings import RATE_HZ
 
     assert campaign.rig is not None

@@ -99,7 +99,7 @@ def _misfits(misfits: LawMisfits) -> Items:
 
 
 def _off(misfits: LawMisfits, law: int) -> list[bool]:
-    """Of each person, whether the law does not fit."""
+    """For each person, whether the law does not fit."""
     return [misfits.of(law, person).told for person in range(misfits.participant.size)]
 
 

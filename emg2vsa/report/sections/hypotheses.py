@@ -128,7 +128,8 @@ def _family(name: str, p: Floats, alpha: float, chance: float | None = None) -> 
 
 
 def _chance_of_any_pair(found: Hypotheses) -> float:
-    """Of Fisher's LSD without protection, independent participants: the pairs of one share their means and their SD.
+    """Chance that Fisher's LSD without protection finds any pair, participants independent: the pairs of one share
+    their means and their SD.
 
     All pairs of a participant stay below the critical t as long as the studentized range of his k groups does (exact
     for groups of one size, a little too many otherwise).
@@ -167,7 +168,7 @@ def _words(results: StudyResults, q: Quantities) -> dict[str, object]:
 
 
 def _drift(q: Quantities) -> str:
-    """By the order where it tells, else by the presses of recordings."""
+    """Drift by the order where the order tells it, else by the presses of recordings."""
     for kind, tell in (("by_order", "this order tells"), ("within_recordings", "the presses of recordings tell")):
         name = f"hypotheses.drift.{kind}_percent"
         mean, low, high = (signed(float(q[key]), "%") for key in (name, f"{name}.low", f"{name}.high"))

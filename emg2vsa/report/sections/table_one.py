@@ -39,7 +39,9 @@ ALGORITHM_NAMES = {
 
 
 def _name(results: StudyResults, algorithm: str) -> str:
-    """That of "paper" by its area rule, which a key of the study can set: hexagon (paper) unless it does."""
+    """Name of the algorithm; that of "paper" by its area rule, which a key of the study can set: hexagon (paper)
+    unless it does.
+    """
     if algorithm == PINS:
         return ALGORITHM_NAMES[PINS]
     rule = results.study.scoring.recipe_of(algorithm).area_rule
@@ -56,7 +58,7 @@ def _by_pins(found: CalibrationResults) -> tuple[str, ...]:
 
 
 def _estimate(found: CalibrationResults, condition: str, angle_deg: float, name: str) -> Headline | None:
-    """Of a vision algorithm by the law of the study, or by the pins."""
+    """Estimate of a vision algorithm by the law of the study, or by the pins."""
     if name != PINS:
         return found.law(condition, angle_deg, name)
     design = found.find(angle_deg, condition)

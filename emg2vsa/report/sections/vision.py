@@ -24,7 +24,7 @@ from emg2vsa.report.table import Column, Columns, Table, columns, table_of
 from emg2vsa.statistics.kruskal import midranks
 
 _ANGLE_DEG = 45.0
-"""Of the paper's Fig. 2."""
+"""Angle of the paper's Fig. 2."""
 _NUMBERS = ("area_ratio", "area_error", "area_error_sd", "area_cv", "casr_cv")
 
 
