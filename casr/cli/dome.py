@@ -5,12 +5,16 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from casr.command_line import JSON, Commands, add_command, answer, whole_number
 from casr.errors import SettingError, install_extra
 from casr.terminal import VOICE
+
+if TYPE_CHECKING:
+    from casr.dome.solver.cases import Solved
 
 SUMMARY = "Solve the contact of a soft dome with specimens, and write the tables that --domes reads."
 EPILOG = f"""
@@ -42,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     SettingError : ``--page`` is a folder, or ``--out`` a file.
     """
-    from casr.dome.solver.cases import AREA_AT_N, dome_radius_mm, solve
+    from casr.dome.solver.cases import dome_radius_mm, solve
     from casr.dome.solver.sensor_file import read_sensor
 
     cases = read_sensor(arguments.sensor)
@@ -61,7 +65,19 @@ def run(arguments: argparse.Namespace) -> int:
         {"table": each.case.name, "was_there": each.before, "stopped": each.stopped or None, **each.said}
         for each in found
     ]
-    wide = max(len(case.name) for case in cases)
+    useless = [each.case.name for each in found if each.said.get("area_error", 0.0) > USELESS]
+    if arguments.page and (there := [each.case.name for each in found if not each.stopped]):
+        _write_page(arguments.page, arguments.out, there)
+    lines = _said(found, dome_radius_mm(cases[0]), arguments.out, useless)
+    answer(arguments.json, {"folder": str(arguments.out), "tables": rows}, lines)
+    return int(bool(useless) or any(each.stopped for each in found))
+
+
+def _said(found: Sequence[Solved], radius_mm: float, folder: Path, useless: Sequence[str]) -> list[str]:
+    """A table with a row a case, how to use what was solved, and what is of no use."""
+    from casr.dome.solver.cases import AREA_AT_N
+
+    wide = max(len(each.case.name) for each in found)
     lines = [f"{'table':<{wide}}" + "".join(f"{f'A({n:g} N)':>10}" for n in AREA_AT_N) + "  error"]
     for each in found:
         if each.stopped:
@@ -73,19 +89,15 @@ def run(arguments: argparse.Namespace) -> int:
     lines.append(
         "Areas in mm2 at a force; error: their largest change with a mesh and steps twice as coarse, plus that with\n"
         "half the penalty of contact.\n"
-        f"Use them with dome_radius_mm = {dome_radius_mm(cases[0]):.4g} under [sensor] in camera.toml: "
-        f"casr score PRESSES --domes {arguments.out}"
+        f"Use them with dome_radius_mm = {radius_mm:.4g} under [sensor] in camera.toml: "
+        f"casr score PRESSES --domes {folder}"
     )
-    useless = [each.case.name for each in found if each.said.get("area_error", 0.0) > USELESS]
     if useless:
         lines.append(
             f"Of no use, with an error above {USELESS:.0%}: {', '.join(useless)}.\n"
             "Check the units, mm and MPa, or halve mesh_mm."
         )
-    if arguments.page and (there := [each.case.name for each in found if not each.stopped]):
-        _write_page(arguments.page, arguments.out, there)
-    answer(arguments.json, {"folder": str(arguments.out), "tables": rows}, lines)
-    return int(bool(useless) or any(each.stopped for each in found))
+    return lines
 
 
 def _write_page(path: Path, folder: Path, names: list[str]) -> None:

@@ -4,11 +4,19 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable, Mapping
 from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from casr.cli import arguments as shared
 from casr.command_line import JSON, Commands, add_command, print_json
 from casr.errors import SettingError
+
+if TYPE_CHECKING:
+    from casr.frames import FrameSequence
+    from casr.press_files import PressFiles
+    from casr.scored import ScoreSettings
 
 OUTPUT = f"""
 --page FILE.html  write a page; of several presses, an index and a page for each
@@ -39,11 +47,10 @@ def run(arguments: argparse.Namespace) -> int:
     shared.check_forces(arguments)
     from casr.frame_files import find_presses
     from casr.page import text
-    from casr.press_files import PressFiles, named_presses, score_presses
-    from casr.scored import Score
+    from casr.press_files import PressFiles, named_presses
     from casr.scoring import score
 
-    root, say = arguments.path, not arguments.json
+    root = arguments.path
     found = find_presses(root)
     if len(found) > 1 and arguments.force:
         several, do = f"{len(found)} presses in {root}", "Put a force.csv into each press folder."
@@ -57,6 +64,19 @@ def run(arguments: argparse.Namespace) -> int:
         shared.say_notes(scored.notes)
         print_json(scored.to_dict()) if arguments.json else print(text.block(scored))
         return 0
+    return _several(arguments, named_presses(root, found), files, settings, open_press)
+
+
+def _several(
+    arguments: argparse.Namespace, presses: Mapping[str, Path], files: PressFiles, settings: ScoreSettings,
+    open_press: Callable[[Path], FrameSequence],
+) -> int:  # fmt: skip
+    """Score a folder of presses, each told as it is done."""
+    from casr.page import text
+    from casr.press_files import score_presses
+    from casr.scored import Score
+
+    say, width = not arguments.json, max(map(len, presses))
 
     def tell(name: str, scored: Score | Exception) -> None:
         if not isinstance(scored, Score):
@@ -64,15 +84,13 @@ def run(arguments: argparse.Namespace) -> int:
         elif say:
             print(text.row(name, scored, width), flush=True)
 
-    presses = named_presses(root, found)
-    width = max(map(len, presses))
     if say:
         print(text.head(width, settings.quantity))
     scores = score_presses(presses, settings, open_press, tell)
     for name, scored in scores.scores.items():
         files.of(name).write(partial(open_press, presses[name]), scored)
         shared.say_notes((*(f"check this press: {doubt}" for doubt in scored.doubts), *scored.notes), name)
-    files.write_index(root.resolve().name, scores.scores, scores.not_scored)
+    files.write_index(arguments.path.resolve().name, scores.scores, scores.not_scored)
     if arguments.json:
         every = {name: scored.to_dict() for name, scored in scores.scores.items()}
         print_json({"presses": every, "not_scored": scores.not_scored})

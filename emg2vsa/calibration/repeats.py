@@ -24,6 +24,7 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy import special
@@ -104,7 +105,6 @@ def repeat_interval(
     presses = side_by_side(calibration.casr, scores)
     labels = labels_side_by_side(calibration.labels, scores.shape[1], mountings)
     groups = by_mounting(presses, labels)
-    share = share_of_mountings(groups)
     mean = mean_of(scores)
     means = np.append(calibration.mean_casr, mean[:, None], axis=1)
     variance, freedom, n = _noise(groups, means, own_noise)
@@ -116,49 +116,58 @@ def repeat_interval(
     eta = np.where(calibration.monotone, calibration.fit.eta(mean[:, None])[:, 0], np.nan)
     kappa = kappa_of(law, eta)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        own = calibration.fit.steepness(mean[:, None]) / kappa_slope(law, kappa[:, None])
-        gradient = np.concatenate([by_mean_score(calibration, mean), own], axis=1)
-        if known is not None:
-            gradient[:, known] += gradient[:, -1]
-            gradient[:, -1] = 0.0
+        gradient = _gradient(calibration, mean, kappa, known)
         of_presses = np.where(once[:, None], 0.0, gradient**2 * variance / serial.effective_n)
-        known_exactly = not np.any(calibration.kappa_se)
-        kappa_step = calibration.kappa_se if known_exactly else by_kappa(calibration, mean) * calibration.kappa_se
-        of_scores = gradient * means
-        of_mountings = of_scores * np.sqrt(share)
-        mounting = calibration.mounting
-        mounting_step = of_mountings * mounting.sd[:, None]
-        angle_step = of_mountings * np.where(mounting.freedom > 0, 0.0, calibration.angle_share)[:, None]
-        specimen_step = of_scores * calibration.specimen_share
-        law_step = by_exponent(calibration, mean)
-        unseen = np.sum(kappa_step**2, axis=1) + law_step**2
-        unseen += np.sum(angle_step**2 + mounting_step**2 + specimen_step**2, axis=1)
-        eta_se = np.sqrt(np.sum(of_presses, axis=1) + unseen)
-        df = eta_se**4 / _chance(of_presses, freedom, np.sum(of_mountings**2, axis=1), mounting)
+        of_mountings = gradient * means * np.sqrt(share_of_mountings(groups))
+        steps = _steps(calibration, mean, gradient * means, of_mountings)
+        eta_se = np.sqrt(np.sum(of_presses, axis=1) + steps.unseen)
+        df = eta_se**4 / _chance(of_presses, freedom, np.sum(of_mountings**2, axis=1), calibration.mounting)
         eta_se = eta_se * widened
         reach = special.stdtrit(df, 0.5 + 0.5 * confidence) * eta_se
         score_share = calibration.fit.steepness(mean[:, None])[:, 0] * mean / kappa
     low, high = ends_on_law(law, eta, reach)
     return RepeatInterval(
-        kappa=kappa,
-        eta=eta,
-        eta_se=eta_se,
-        df=df,
-        low=low,
-        high=high,
-        gradient=gradient,
-        press_variance=variance,
-        n=n,
-        serial=serial,
-        kappa_step=kappa_step,
-        angle_step=angle_step,
-        mounting_step=mounting_step,
-        specimen_step=specimen_step,
-        law_step=law_step,
+        kappa=kappa, eta=eta, eta_se=eta_se, df=df, low=low, high=high, gradient=gradient, press_variance=variance,
+        n=n, serial=serial, kappa_step=steps.kappa, angle_step=steps.angle, mounting_step=steps.mounting,
+        specimen_step=steps.specimen, law_step=steps.law,
         widened=np.broadcast_to(np.asarray(widened, dtype=np.float64), kappa.shape),
-        reach=reach,
-        score_share=score_share,
-    )
+        reach=reach, score_share=score_share,
+    )  # fmt: skip
+
+
+def _gradient(calibration: Calibration, mean: Floats, kappa: Floats, known: int | None) -> Floats:
+    """(d, S + 1) d eta / d mean score; arguments as ``repeat_interval``."""
+    own = calibration.fit.steepness(mean[:, None]) / kappa_slope(calibration.settings.law, kappa[:, None])
+    gradient = np.concatenate([by_mean_score(calibration, mean), own], axis=1)
+    if known is not None:
+        gradient[:, known] += gradient[:, -1]
+        gradient[:, -1] = 0.0
+    return gradient
+
+
+class _Steps(NamedTuple):
+    """What repeated presses of one mounting do not show, on the axis of the law; as in ``RepeatInterval``. unseen :
+    (d,) the sum of their squares."""
+
+    kappa: Floats
+    angle: Floats
+    mounting: Floats
+    specimen: Floats
+    law: Floats
+    unseen: Floats
+
+
+def _steps(calibration: Calibration, mean: Floats, of_scores: Floats, of_mountings: Floats) -> _Steps:
+    """of_scores, of_mountings : (d, S + 1) what a share of a score, and of that of a mounting, moves eta by."""
+    known_exactly, mounting = not np.any(calibration.kappa_se), calibration.mounting
+    kappa_step = calibration.kappa_se if known_exactly else by_kappa(calibration, mean) * calibration.kappa_se
+    mounting_step = of_mountings * mounting.sd[:, None]
+    angle_step = of_mountings * np.where(mounting.freedom > 0, 0.0, calibration.angle_share)[:, None]
+    specimen_step = of_scores * calibration.specimen_share
+    law_step = by_exponent(calibration, mean)
+    unseen = np.sum(kappa_step**2, axis=1) + law_step**2
+    unseen += np.sum(angle_step**2 + mounting_step**2 + specimen_step**2, axis=1)
+    return _Steps(kappa_step, angle_step, mounting_step, specimen_step, law_step, unseen)
 
 
 def expected_interval(

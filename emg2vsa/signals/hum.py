@@ -136,26 +136,10 @@ def remove_hum(
     if begins.size < FEWEST or fs_hz <= 4 * MAINS_HZ[0]:
         return channels, None
     time_s = (begins + (size - 1) / 2) / fs_hz
-    phasors, orders = _phasors(channels, begins, size, fs_hz)
-    found = np.mean(np.abs(phasors) ** 2, axis=-1)
-    clear = found[:, :, 1] > CLEAR * (found[:, :, 0] + found[:, :, 2]) / 2
-    best: tuple[float, float, Phasors] | None = None
-    for mains, nominal_hz in enumerate(MAINS_HZ):
-        if not clear[:, mains].any():
-            continue
-        own = phasors[:, mains, 1]
-        offset_hz = _offset_hz(np.where(clear[:, mains, :, None], own, 0.0), time_s, orders)
-        turned = own * np.exp(-2j * np.pi * offset_hz * orders[:, None] * time_s)
-        agreed = np.mean((turned[..., 1:] * turned[..., :-1].conj()).real, axis=-1)
-        steady = clear[:, mains] & (agreed > STEADY * found[:, mains, 1])
-        power = float(np.sum(agreed[steady]))
-        if steady.any() and (best is None or power > best[0]):
-            best = (power, nominal_hz + offset_hz, np.where(steady[..., None], turned, 0.0))
+    best = _steadiest(*_phasors(channels, begins, size, fs_hz), time_s)
     if best is None:
         return channels, None
-    _, hz, turned = best
-    used = np.any(turned != 0, axis=(0, 2))
-    turned, orders = turned[:, used], orders[used]
+    hz, turned, orders = best
     hum_hz = hz * orders.astype(np.float64)
     present = np.ones(turned.shape[:2], dtype=np.bool_)
     if presses is not None and touched is not None:
@@ -172,6 +156,30 @@ def remove_hum(
         cleaned.append(left)
     rms = np.sqrt(np.sum(np.mean(np.abs(turned) ** 2, axis=-1), axis=-1) / 2)
     return tuple(cleaned), Hum(hz, orders, rms, orders[~present.all(axis=0)])
+
+
+def _steadiest(phasors: Phasors, orders: Ints, time_s: Floats) -> tuple[float, Phasors, Ints] | None:
+    """Of the mains of 50 and 60 Hz the one with the most power that keeps its phase between pieces: its frequency,
+    phasors (m, h, k) turned to it, 0 where they are not clear or steady, and harmonics (h,). None where none does."""
+    found = np.mean(np.abs(phasors) ** 2, axis=-1)
+    clear = found[:, :, 1] > CLEAR * (found[:, :, 0] + found[:, :, 2]) / 2
+    best: tuple[float, float, Phasors] | None = None
+    for mains, nominal_hz in enumerate(MAINS_HZ):
+        if not clear[:, mains].any():
+            continue
+        own = phasors[:, mains, 1]
+        offset_hz = _offset_hz(np.where(clear[:, mains, :, None], own, 0.0), time_s, orders)
+        turned = own * np.exp(-2j * np.pi * offset_hz * orders[:, None] * time_s)
+        agreed = np.mean((turned[..., 1:] * turned[..., :-1].conj()).real, axis=-1)
+        steady = clear[:, mains] & (agreed > STEADY * found[:, mains, 1])
+        power = float(np.sum(agreed[steady]))
+        if steady.any() and (best is None or power > best[0]):
+            best = (power, nominal_hz + offset_hz, np.where(steady[..., None], turned, 0.0))
+    if best is None:
+        return None
+    _, hz, turned = best
+    used = np.any(turned != 0, axis=(0, 2))
+    return hz, turned[:, used], orders[used]
 
 
 def remove_touch_hum(
