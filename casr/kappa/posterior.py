@@ -27,6 +27,8 @@ from casr.kappa.labels import Labels
 from casr.spread.intervals import CONFIDENCE, student_quantile
 
 Array = NDArray[np.float64]
+_Statement = tuple[Array, Array, NDArray[np.floating]]
+"What is left of r statements (r,), its derivatives by the K parameters (r, K), and their weight (r, r)."
 
 FREE_SD = 10.0
 "SD of ln kappa of an unknown specimen about ``_USUAL_KAPPA``: as good as free."
@@ -169,24 +171,38 @@ class Posterior:
             weight[first:last, first:last] = own
         return np.concatenate([left for left, _, _ in parts]), np.vstack([by for _, by, _ in parts]), weight
 
-    def _parts(self, at: Array) -> dict[str, tuple[Array, Array, Array]]:
+    def _parts(self, at: Array) -> dict[str, _Statement]:
         """The statements by pins, of what is known, and by each other cue."""
-        n, d, sensor, presses = self.n_label, self._d, self._sensor, self._sensor.presses
-        size, n_press, z_at = at.size, len(self._of), sensor.z_at
-        log_kappa0, level, slope = at[n : n + 3]
+        n = self.n_label
         log_kappa = at[n + 3 : n + 3 + len(self.specimens)]
-        true_z = 1 / (1 + np.exp(log_kappa[self._of] - log_kappa0))
+        true_z = 1 / (1 + np.exp(log_kappa[self._of] - at[n]))
+        alike = self._alike(true_z, true_z)
+        parts = {"pins": self._by_pins(at, true_z, alike), "known": self._by_known(at)}
+        if self._sensor.with_force.size:
+            parts["force"] = self._by_force(at, alike)
+        if self._travelled.size:
+            parts["k_t"], parts[TRAVEL] = self._by_travel(at, log_kappa, alike)
+        return parts
+
+    def _by_pins(self, at: Array, true_z: Array, alike: Array) -> _Statement:
+        """Labels of the pins beside the line through the true ones (P,)."""
+        n, d, z_at, n_press = self.n_label, self._d, self._sensor.z_at, len(self._of)
+        level, slope = at[n + 1 : n + 3]
         soft = true_z * (1 - true_z)
         rows, of = np.arange(n_press), n + 3 + self._of
-        by_z = np.zeros((n_press, size))
+        by_z = np.zeros((n_press, at.size))
         by_z[rows, z_at] = -1
         by_z[:, n], by_z[rows, of] = soft * (1 + slope), -soft * (1 + slope)
         by_z[:, n + 1], by_z[:, n + 2] = 1, true_z - _MIDDLE_Z
         z_left = at[z_at] - true_z - level - slope * (true_z - _MIDDLE_Z)
-        alike = self._alike(true_z, true_z)
         z_covariance = d.curve**2 * alike + d.scatter**2 * np.eye(n_press)
         z_covariance += self._same * d.stiffness**2 * np.outer(soft, soft)
-        prior = [(n, sensor.log_kappa0, d.log_kappa0), (n + 1, 0, d.level), (n + 2, 0, d.slope)]
+        return z_left, by_z, np.linalg.inv(z_covariance)
+
+    def _by_known(self, at: Array) -> _Statement:
+        """What is known before a press: the dome, the discrepancy, and the specimens."""
+        n, d = self.n_label, self._d
+        prior = [(n, self._sensor.log_kappa0, d.log_kappa0), (n + 1, 0, d.level), (n + 2, 0, d.slope)]
         prior += [
             (
                 n + 3 + k,
@@ -195,37 +211,37 @@ class Posterior:
             )
             for k, name in enumerate(self.specimens)
         ]
-        by_prior = np.eye(size)[[row for row, _, _ in prior]]
-        prior_left = np.array([mean - at[row] for row, mean, _ in prior])
-        parts = {
-            "pins": (z_left, by_z, np.linalg.inv(z_covariance)),
-            "known": (prior_left, by_prior, np.diag([sd**-2.0 for _, _, sd in prior])),
-        }
-        if (forces := sensor.with_force).size:
-            first = n - forces.size
-            by_force = np.zeros((forces.size, size))
-            by_force[np.arange(forces.size), first + np.arange(forces.size)], by_force[:, n] = -1, 1
-            left = at[first:n] - log_kappa0
-            among = np.ix_(forces, forces)
-            covariance = np.diag([presses[k].force_variance + d.force_scatter**2 for k in forces])
-            covariance += d.log_force**2 + d.force_curve**2 * alike[among]
-            covariance += d.force_mounting**2 * self._same[among]
-            parts["force"] = left, by_force, np.linalg.inv(self._variance["force"] * covariance)
-        if (travelled := self._travelled).size:
-            travel_level, log_kt = at[-2:]
-            log_soft = -log_kappa[self._of[travelled]]
-            series = np.logaddexp(-log_kt, log_soft)
-            by_travel, by_kt = np.zeros((travelled.size, size)), np.zeros((1, size))
-            by_travel[np.arange(travelled.size), of[travelled]] = -np.exp(log_soft - series)
-            by_travel[:, -2], by_travel[:, -1] = 1, -np.exp(-log_kt - series)
-            by_kt[0, [n, -1]] = -1, 1
-            among = np.ix_(travelled, travelled)
-            covariance = d.travel_curve**2 * alike[among] + d.travel_scatter**2 * np.eye(travelled.size)
-            covariance += d.travel_mounting**2 * self._same[among]
-            left, weight = self._log_travel - travel_level - series, np.linalg.inv(self._variance[TRAVEL] * covariance)
-            parts["k_t"] = np.array([log_kappa0 + LOG_KT - log_kt]), by_kt, np.array([[LOG_KT_SD**-2]])
-            parts[TRAVEL] = left, by_travel, weight
-        return parts
+        left = np.array([mean - at[row] for row, mean, _ in prior])
+        return left, np.eye(at.size)[[row for row, _, _ in prior]], np.diag([sd**-2.0 for _, _, sd in prior])
+
+    def _by_force(self, at: Array, alike: Array) -> _Statement:
+        """Stiffness of the dome by the presses that have forces."""
+        n, d, forces = self.n_label, self._d, self._sensor.with_force
+        first = n - forces.size
+        by_force = np.zeros((forces.size, at.size))
+        by_force[np.arange(forces.size), first + np.arange(forces.size)], by_force[:, n] = -1, 1
+        among = np.ix_(forces, forces)
+        covariance = np.diag([self._sensor.presses[k].force_variance + d.force_scatter**2 for k in forces])
+        covariance += d.log_force**2 + d.force_curve**2 * alike[among]
+        covariance += d.force_mounting**2 * self._same[among]
+        return at[first:n] - at[n], by_force, np.linalg.inv(self._variance["force"] * covariance)
+
+    def _by_travel(self, at: Array, log_kappa: Array, alike: Array) -> tuple[_Statement, _Statement]:
+        """Stiffness of the dome under travel beside that under the pins, and dome and specimen in series."""
+        n, d, travelled = self.n_label, self._d, self._travelled
+        travel_level, log_kt = at[-2:]
+        log_soft = -log_kappa[self._of[travelled]]
+        series = np.logaddexp(-log_kt, log_soft)
+        by_travel, by_kt = np.zeros((travelled.size, at.size)), np.zeros((1, at.size))
+        of = n + 3 + self._of[travelled]
+        by_travel[np.arange(travelled.size), of] = -np.exp(log_soft - series)
+        by_travel[:, -2], by_travel[:, -1] = 1, -np.exp(-log_kt - series)
+        by_kt[0, [n, -1]] = -1, 1
+        among = np.ix_(travelled, travelled)
+        covariance = d.travel_curve**2 * alike[among] + d.travel_scatter**2 * np.eye(travelled.size)
+        covariance += d.travel_mounting**2 * self._same[among]
+        left, weight = self._log_travel - travel_level - series, np.linalg.inv(self._variance[TRAVEL] * covariance)
+        return (np.array([at[n] + LOG_KT - log_kt]), by_kt, np.array([[LOG_KT_SD**-2]])), (left, by_travel, weight)
 
     def log_kappa(self, specimen: str) -> tuple[float, float]:
         """ln kappa and its standard error, not widened."""

@@ -14,8 +14,15 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from emg2vsa.arrays import Floats
-from emg2vsa.curves.first_contact import LEAST, MAD, REST, first_contact, force_at_start, left_over
-from emg2vsa.curves.line import fit_line
+from emg2vsa.curves.first_contact import LEAST, first_contact, force_at_start, left_over
+from emg2vsa.curves.range_doubts import (
+    STARTS,
+    Stretch,
+    doubts_of_course,
+    doubts_of_depth,
+    doubts_of_rest,
+    doubts_of_start,
+)  # fmt: skip
 from emg2vsa.errors import SettingError
 from emg2vsa.shown import shown
 
@@ -28,26 +35,6 @@ _UPPER = 0.4
 _STEPS = 9
 _AGAIN = 0.3
 """Share of its travel by which the plate goes back before a further press counts as one of its own."""
-_DRIFTS = (0.02, 0.1)
-"""Slope before contact over kappa, from which on a press is doubtful, and unusable."""
-_STARTS = (0.1, 1.0)
-"""Force of the first point over F0 where there is no rest before it, from which on likewise."""
-_LONG, _CREEPS = 1.4, 0.5
-"""Depth over F0 / kappa, over which a force that rises at less than this share of kappa is no first contact."""
-_CLOSES = 0.6
-"""Share by which kappa at F0 may lie below its further course."""
-_FALLS = 0.05
-"""Share of the range of force by which a press may fall again."""
-_KINKS = 0.01
-"""SD of what the smoothest course leaves over the range of force, where it is no noise, that no material does."""
-_SPREAD = 0.5
-"""Width of the interval of contact over the depth from contact to F1, from which on a press is doubtful."""
-_TRAVELS_MM = (0.01, 200)
-"""From contact on; less or more is a mistake of units."""
-_BREAKS = 0.1
-"""The same, from which on a press says nothing."""
-_CLIPPED = 0.03
-"""Share of points at the largest force, from which on it is the sensor's end."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,16 +119,29 @@ def fit_range(
     if not 0 < from_n < to_n < np.inf:
         found, do = f"{from_n:g} to {to_n:g}", "Give the smaller force first."
         raise SettingError("range of force", wanted="0 < F0 < F1, newtons", found=found, do=do)
-
-    def unusable(reason: str) -> RangeFit:
-        return RangeFit(from_n, to_n, reasons=(reason,), told=told)
-
     x, y, told = loading(depth_mm, force_n)
     if x.size < LEAST:
-        return unusable(f"{x.size} points up to the deepest; {LEAST} are needed")
+        reason = f"{x.size} points up to the deepest; {LEAST} are needed"
+        return RangeFit(from_n, to_n, reasons=(reason,), told=told)
     if told and told[-1].endswith("?"):
-        reason, told = told[-1], told[:-1]
-        return unusable(reason)
+        return RangeFit(from_n, to_n, reasons=told[-1:], told=told[:-1])
+    part = _stretch(x, y, from_n, to_n, whole)
+    if isinstance(part, str):
+        return RangeFit(from_n, to_n, reasons=(part,), told=told)
+    to_n, span, between = part.to_n, part.last - part.first, part.places[1] - part.places[0]
+    if not span > 0 or between < LEAST:
+        reason = f"{between} points between {from_n:g} and {to_n:.3g} N; {LEAST} are needed"
+        return RangeFit(from_n, to_n, reasons=(reason,), told=told)
+    u, forces = (x[part.inside] - part.first) / span, np.linspace(from_n, to_n, _STEPS)
+    course = _course(u, part.y[part.inside], forces, (1, 2, 3, 4, 5), _DECAYS)
+    if course is None:
+        reason = f"the force falls again between {from_n:g} and {to_n:.3g} N"
+        return RangeFit(from_n, to_n, reasons=(reason,), told=told)
+    return _fitted(part, course, u, forces, height_mm, told)
+
+
+def _stretch(x: Floats, y: Floats, from_n: float, to_n: float, whole: bool) -> Stretch | str:
+    """The press (n,), mm and N, and its part over the range of force; or why it has none."""
     contact, level, rest_n = first_contact(x, y, from_n)
     y = y - level
     start, start_se = force_at_start(x, y)
@@ -149,74 +149,38 @@ def fit_range(
     smooth[:2], smooth[-2:] = smooth[2], smooth[-3]
     highest = float(smooth.max())
     if highest < (to_n if whole else 2 * from_n):
-        return unusable(f"the force reaches {highest:.3g} N of {from_n:g} to {to_n:g} N")
-    if not rest_n and abs(start) > _STARTS[1] * from_n:
-        return unusable(f"it begins at {start:.3g} N, with no rest before contact")
+        return f"the force reaches {highest:.3g} N of {from_n:g} to {to_n:g} N"
+    if not rest_n and abs(start) > STARTS[1] * from_n:
+        return f"it begins at {start:.3g} N, with no rest before contact"
     to_n = to_n if to_n < highest else 0.98 * highest
-    places = [int(np.argmax(smooth > force)) for force in (from_n, to_n)]
-    first, last = x[places].tolist()
+    begins, ends = (int(np.argmax(smooth > force)) for force in (from_n, to_n))
+    first, last = x[[begins, ends]].tolist()
     span = last - first
     inside = (x >= first - 0.03 * span) & (x <= last + 0.03 * span)
-    inside[max(places[0] - 4, 0) : places[1] + 4] = True  # the noise of one sample may carry it past F0
-    between = places[1] - places[0]
-    if not span > 0 or between < LEAST:
-        return unusable(f"{between} points between {from_n:g} and {to_n:.3g} N; {LEAST} are needed")
-    u, forces = (x[inside] - first) / span, np.linspace(from_n, to_n, _STEPS)
-    course = _course(u, y[inside], forces, (1, 2, 3, 4, 5), _DECAYS)
-    if course is None:
-        return unusable(f"the force falls again between {from_n:g} and {to_n:.3g} N")
+    inside[max(begins - 4, 0) : ends + 4] = True  # the noise of one sample may carry it past F0
+    return Stretch(x, y, smooth, contact, level, rest_n, start, start_se, from_n, to_n, (begins, ends), inside)
+
+
+def _fitted(
+    part: Stretch, course: _Course, u: Floats, forces: Floats, height_mm: float | None, told: tuple[str, ...]
+) -> RangeFit:
+    """u : depth of the points inside, 0 at F0 and 1 at F1. forces : (g,) of the course, N."""
+    from_n, to_n, span = part.from_n, part.to_n, part.last - part.first
     secant = (to_n - from_n) / course.between
     secant_se = secant * course.between_se / course.between
     upper = u >= np.interp(from_n + _UPPER * (to_n - from_n), forces, course.at)
-    change, change_se, below = _change(u[upper], y[inside][upper], secant, course.slope[0])
+    change, change_se, below = _change(u[upper], part.y[part.inside][upper], secant, course.slope[0])
     if course.bend + 3 * course.bend_se < -_CHANGE * secant:  # it softens: that is no contact that closes
         change, change_se = course.bend / secant, course.bend_se / secant
     # F = E A / 3 (1 / s^2 - s) with s = 1 - depth / height: kappa grows by 2 F / height, to first order of the strain
     of_rubber = 2 * (to_n - from_n) / height_mm / (secant / span) if height_mm else np.nan
-    doubts = []
-    if not _TRAVELS_MM[0] < last - contact[0] < _TRAVELS_MM[1]:
-        doubts.append((False, f"it is pressed {last - contact[0]:.3g} mm deep: is the unit of depth right?"))
-    if height_mm and last - contact[0] >= height_mm:
-        said = f"it is pressed {last - contact[0]:.3g} mm deep, and the specimen is {height_mm:g} mm high"
-        doubts.append((True, said))
-    if rest_n:
-        before = fit_line(x[None, :rest_n], y[None, :rest_n])
-        drift = max(0.0, abs(float(before.slope[0])) - 3 * float(before.slope_se[0])) * span / secant
-        if drift > _DRIFTS[0]:
-            doubts.append((drift > _DRIFTS[1], f"the force drifts before contact, by {100 * drift:.0f} % of kappa"))
-    else:
-        if abs(start) - 2 * start_se > _STARTS[0] * from_n:
-            doubts.append((False, f"it begins at {start:.3g} N, with no rest before contact: its zero is not known"))
-        before = (x >= contact[0]) & (x <= (contact[0] + first) / 2)
-        if np.count_nonzero(before) >= REST:
-            creep = fit_line(x[None, before], y[None, before]).slope[0] * span / course.slope[0]
-            long = (first - contact[0]) / 2 > _LONG * from_n * span / course.slope[0]
-            if long and creep < _CREEPS:
-                said = f"the force rises at {100 * creep:.0f} % of kappa for {(first - contact[0]) / 2:.2g} mm"
-                doubts.append(
-                    (creep > _DRIFTS[1], f"{said} before it is pressed: it drifts, or something soft is between")
-                )
-    if below > _CLOSES:
-        said = f"kappa at {from_n:g} N lies {100 * below:.0f} % below its further course"
-        doubts.append((False, f"{said}: it drifts, or something soft is between"))
-    fall = np.maximum.accumulate(smooth[places[0] : places[1]]) - smooth[places[0] : places[1]]
-    if fall.max() > max(_FALLS * (to_n - from_n), 3 * course.noise_n):
-        where = x[places[0] + int(np.argmax(fall))]
-        doubts.append((True, f"the force falls by {fall.max():.2g} N at {where:.3g} mm"))
-    scatter = float(np.median(np.abs(np.diff(y[inside], 2)))) / (MAD * np.sqrt(6))
-    if course.noise_n > max(_KINKS * (to_n - from_n), 4 * scatter):
-        hopeless = course.noise_n > _BREAKS * (to_n - from_n)
-        doubts.append((hopeless, f"no smooth curve follows it: {course.noise_n:.2g} N are left"))
-    at_most = np.count_nonzero(y == y.max())
-    if at_most >= max(LEAST, _CLIPPED * y.size):
-        doubts.append((False, f"{at_most} points have the same largest force: does the load cell end there?"))
-    if contact[2] - contact[1] > _SPREAD * (last - contact[0]):
-        doubts.append((False, f"contact lies anywhere from {contact[1]:.3g} to {contact[2]:.3g} mm"))
+    at_first = doubts_of_rest(part, secant) if part.rest else doubts_of_start(part, course.slope[0])
+    doubts = [*doubts_of_depth(part, height_mm), *at_first, *doubts_of_course(part, below, course.noise_n)]
     rating = "unusable" if any(bad for bad, _ in doubts) else "doubtful" if doubts else "good"
     return RangeFit(
         from_n, to_n, secant / span, secant_se / span, forces, course.slope / span, course.slope_se / span, course.dof,
-        course.bend / secant, course.bend_se / secant, change, change_se, below, of_rubber, last,
-        *contact, level, rest_n > 0, rating, tuple(reason for _, reason in doubts), told,
+        course.bend / secant, course.bend_se / secant, change, change_se, below, of_rubber, part.last,
+        *part.contact, part.level_n, part.rest > 0, rating, tuple(reason for _, reason in doubts), told,
     )  # fmt: skip
 
 

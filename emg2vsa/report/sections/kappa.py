@@ -25,7 +25,7 @@ _STIFFEST, *_, _SOFTEST = paper.KAPPA_N_PER_MM
 CUES = {"pins": "pins alone", "force": "force alone", "travel": "travel alone"}
 """Cues of ``casr.kappa`` to what people call them."""
 _COLUMN = {RIGID: "new_vision", HUMAN_LIKE: "human_like"}
-"""Of Table I that is by hexagons, in which each condition stands."""
+"""Column of Table I, by hexagons, in which each condition stands."""
 _CURVES = {angle: f"{p:g} exp({rate:g} CASR)" for angle, (p, rate) in paper.CURVES.items()}
 """The paper's, by angle."""
 LAW_ERRORS = (-0.154, 0.065)
