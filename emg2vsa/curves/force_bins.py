@@ -119,8 +119,9 @@ def bin_covariance(bins: ForceBins, noise: Floats, memory: Floats) -> Floats:
 
 
 def error_factors(x: Floats, weights: Floats, covariance: Floats) -> tuple[Floats, Floats, Floats]:
-    """By how much (k,), (k,) the standard errors of intercept and slope must grow, given the points' true covariance;
-    and the degrees of freedom (k,) that are left to the variance of the residuals (Satterthwaite 1946), 1 at least.
+    """Factors (k,), (k,) by which the standard errors of intercept and slope must grow, given the points' true
+    covariance; and the degrees of freedom (k,) that are left to the variance of the residuals (Satterthwaite 1946),
+    1 at least.
 
     x, weights : (k, B) of the weighted line; weight 0 leaves a point out. covariance : (k, B, B), up to a factor.
     The variance of the residuals is corrected for the covariance too. 1 where it cannot be said, and, up to rounding,

@@ -29,7 +29,7 @@ from emg2vsa.shown import shown
 _CHANGE = 0.1
 """Share by which kappa changes over the range, from which on a specimen is called nonlinear."""
 _DECAYS = (0.04, 0.06, 0.09, 0.13, 0.18, 0.25)
-"""Of the depth between F0 and F1, over which the term of first contact decays."""
+"""Depths over which the term of first contact decays, as shares of the depth between F0 and F1."""
 _UPPER = 0.4
 """Share of the range of force, from F0 on, in which first contact may still bend the curve."""
 _STEPS = 9
@@ -76,7 +76,7 @@ class RangeFit:
     told: tuple[str, ...] = ()
 
     def half_width(self, error: Floats | float) -> Floats:
-        """Of the 95 % interval of numbers with this standard error, a scalar or (g,)."""
+        """Half width of the 95 % interval of numbers with this standard error, a scalar or (g,)."""
         return np.asarray(t_975(self.dof) * error)
 
     @property
@@ -220,9 +220,10 @@ def loading(depth_mm: Floats, force_n: Floats) -> tuple[Floats, Floats, tuple[st
 
 @dataclass(frozen=True, eq=False)
 class _Course:
-    """Of force over depth u: depth at stated forces (g,), slope there with its error, by how much it grows from the
-    first to the last and depth between these, each with its error, degrees of freedom, and SD of what the best curve
-    leaves, N."""
+    """Course of force over depth u: depth at stated forces (g,), slope there with its error, by how much it grows
+    from the first to the last and depth between these, each with its error, degrees of freedom, and SD of what the
+    best curve leaves, N.
+    """
 
     at: Floats
     slope: Floats

@@ -15,7 +15,9 @@ from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError
 
 DEGREE, PIECES = 3, 5
-"Of the polynomials, and how many of them the range of force holds: a step of 1 to 2 N is followed, noise of a bin not."
+"""Degree of the polynomials, and how many of them the range of force holds: a step of 1 to 2 N is followed, noise of
+a bin not.
+"""
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 

@@ -16,19 +16,21 @@ from emg2vsa.curves.logarithmic import LogFit, fit_log, fit_log_by_level, fit_lo
 from emg2vsa.settings import FitSettings
 
 PARAMETERS = 2
-"Of a line."
+"Parameters of a line."
 FEWEST_DOF = 2
 "A press is never left with a single degree of freedom: an interval of 12.7 standard errors says nothing."
 MOST_SHARE, ROUNDS = 0.7, 6
-"Of the noise, that a line is held to have taken; and how often that is found anew from its own result."
+"""Largest share of the noise that a line is held to have taken, and how often that share is found anew from its own
+result.
+"""
 
 FEWEST_SAMPLES = 10
 "A press with fewer shows no curve."
 BEND_CHANCE = 0.001
-"Of a term of the common curve that is not there."
+"Chance that a term is told that the common curve does not have."
 
 CELLS_AT_ONCE = 2**22
-"Of covariances of bins; 32 MB an array."
+"Most numbers of covariances of bins at once: 32 MB an array."
 
 
 @dataclass(frozen=True)

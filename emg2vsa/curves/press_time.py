@@ -9,7 +9,7 @@ import numpy as np
 from emg2vsa.arrays import Floats
 
 _STILL = 0.01
-"""Of the travel, within which the plate holds its depth."""
+"""Share of the travel within which the plate holds its depth."""
 _LEAST_S, _LEAST = 1.0, 12
 
 

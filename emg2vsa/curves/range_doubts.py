@@ -78,7 +78,7 @@ def doubts_of_depth(part: Stretch, height_mm: float | None) -> Iterator[Doubt]:
 
 
 def doubts_of_rest(part: Stretch, secant_n: float) -> Iterator[Doubt]:
-    """Of a press with a rest before contact. secant_n : kappa times the depth between F0 and F1, N."""
+    """Doubts about a press with a rest before contact. secant_n : kappa times the depth between F0 and F1, N."""
     before = fit_line(part.x[None, : part.rest], part.y[None, : part.rest])
     slope = max(0.0, abs(float(before.slope[0])) - 3 * float(before.slope_se[0]))
     drift = slope * (part.last - part.first) / secant_n
@@ -87,7 +87,7 @@ def doubts_of_rest(part: Stretch, secant_n: float) -> Iterator[Doubt]:
 
 
 def doubts_of_start(part: Stretch, slope_n: float) -> Iterator[Doubt]:
-    """Of a press without a rest. slope_n : tangent at F0 times the depth between F0 and F1, N."""
+    """Doubts about a press without a rest. slope_n : tangent at F0 times the depth between F0 and F1, N."""
     if abs(part.start_n) - 2 * part.start_se > STARTS[0] * part.from_n:
         yield False, f"it begins at {part.start_n:.3g} N, with no rest before contact: its zero is not known"
     contact, span = part.contact[0], part.last - part.first

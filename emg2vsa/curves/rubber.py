@@ -26,8 +26,10 @@ from emg2vsa.curves.force_range import RangeFit, t_975
 from emg2vsa.curves.line import fit_line
 
 STRAIN = 0.05
-"""From contact on, over which the modulus is the slope of a line with frictionless ends: of the ranges and laws that
-were tried on ten published mixtures, the only one within 6.5 % or two published SDs in all ten (decision 50)."""
+"""Strain from contact on, over which the modulus is the slope of a line with frictionless ends: of the ranges and
+laws that were tried on ten published mixtures, the only one within 6.5 % or two published SDs in all ten (decision
+50).
+"""
 _MOST_STRAIN = 0.4
 _LEAST = 12
 Ends = Literal["frictionless", "bonded"]
@@ -43,7 +45,7 @@ class Cylinder:
 
     @property
     def bonding(self) -> float:
-        """By how much ends that cannot slide make it stiffer."""
+        """Factor by which ends that cannot slide make the cylinder stiffer."""
         radius_mm = self.diameter_mm / 2
         sliding_mm = plate_on_cylinder_mm(radius_mm, self.height_mm)
         return plate_on_cylinder_mm(radius_mm, self.height_mm, bonded=True) / sliding_mm
@@ -90,8 +92,9 @@ class LawFit:
 
 @dataclass(frozen=True)
 class Rubber:
-    """Of one press. modulus_kpa, modulus_se_kpa : by a line over the first 5 % of strain. laws : over the range of the
-    press, up to 40 % of strain. NaN, and no laws, where the press says none."""
+    """Rubber laws of one press. modulus_kpa, modulus_se_kpa : by a line over the first 5 % of strain. laws : over
+    the range of the press, up to 40 % of strain. NaN, and no laws, where the press says none.
+    """
 
     modulus_kpa: float
     modulus_se_kpa: float

@@ -88,7 +88,7 @@ def nested_mean(
 
 
 def _of_all(variance: Floats, groups: Sequence[tuple[str, ...]]) -> float:
-    """Of the mean of means of means, from that of each group."""
+    """Variance of the mean of means of means, from that of each group."""
     while groups[0]:
         names = list(dict.fromkeys(group[:-1] for group in groups))
         at = np.array([names.index(group[:-1]) for group in groups])

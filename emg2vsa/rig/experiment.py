@@ -40,7 +40,7 @@ class Run(NamedTuple):
 
     @property
     def name(self) -> str:
-        """Of the run and of its folder."""
+        """Name of the run and of its folder."""
         return run_name(*self)
 
 
@@ -64,7 +64,7 @@ class ExperimentSettings:
     """Order of the runs: random, so that what drifts falls on all of them alike; or listed: the first mounting of all,
     then the second, and within it by condition, angle and specimen as they stand here."""
     seed: Annotated[int, Ge(0)] = 0
-    "Of the random order: the same seed and the same runs give the same order for ever."
+    "Seed of the random order: the same seed and the same runs give the same order for ever."
     f_max_n: Annotated[float, Gt(0)] = 7.0
     "The press turns back here."
     lead_s: Annotated[float, Ge(0), Le(0.1)] = 0.0
@@ -107,7 +107,7 @@ class PlateSettings:
     """Indentation of specimens by a flat plate on the rigid motor, for their stiffness (paper, section IV.B)."""
 
     trials: Annotated[int, Ge(1), Le(999)] = 5
-    "Of each specimen."
+    "Trials of each specimen."
     f_max_n: Annotated[float, Gt(0)] = 5.0
     "The plate turns back here."
     f_contact_n: Annotated[float, Gt(0)] = 0.3
@@ -154,7 +154,7 @@ def plan_of(
 
 
 def schedule_for(schedules: Sequence[Schedule], specimen: str, condition: str) -> Schedule:
-    """That of a specimen and condition. ScheduleError where there is none."""
+    """Schedule of a specimen and condition. ScheduleError where there is none."""
     for schedule in schedules:
         if (schedule.specimen, schedule.condition) == (specimen, condition):
             return schedule

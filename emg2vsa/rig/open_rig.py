@@ -81,7 +81,7 @@ def open_rig(settings: DeviceSettings, rig: RigSettings, condition: Condition, c
 
 
 def _force_facts(force: ForceSensor, settings: ForceSettings) -> dict[str, Any]:
-    """Of a started sensor, before it is biased."""
+    """Facts of a started sensor, before it is biased."""
     sample = force.read()
     load = {"force_n": sample.force_n.tolist(), "torque_nm": sample.torque_nm.tolist()}
     said: dict[str, Any] = known("force", settings).call("facts", force, settings)

@@ -47,7 +47,7 @@ class RunPlan:
     order: int | None = None
     "Place of the run in the sequence of its experiment, from 1; None where it was asked for alone."
     stiffness_n_per_mm: float | None = None
-    "Of the specimen, by plate indentation; None where it is not known."
+    "Stiffness of the specimen, by plate indentation; None where it is not known."
     motor_a_per_n: float | None = None
     "Current that a rigid motor draws for a newton, by a reference that was pressed; None where none holds."
     others_n_per_mm: Mapping[str, float] = field(default_factory=dict)
@@ -75,7 +75,7 @@ class RunPlan:
         return 0.0 if self.schedule is None else self._presets[step] / full_preset
 
     def presets(self, full_preset: float) -> list[float]:
-        """Of all force steps; only 0 for a rigid motor."""
+        """Presets of all force steps; only 0 for a rigid motor."""
         return [0.0] if self.schedule is None else [preset / full_preset for preset in self._presets]
 
     @cached_property
@@ -86,7 +86,7 @@ class RunPlan:
 
     @cached_property
     def _presets(self) -> list[float]:
-        """In the joint's own unit."""
+        """Presets in the joint's own unit."""
         assert self.schedule is not None
         presets: list[float] = (self.schedule.preset * self.schedule.limits.full_preset).tolist()
         return presets

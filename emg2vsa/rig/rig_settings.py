@@ -94,7 +94,7 @@ class RigSettings:
     gear_mm_per_degree: Annotated[float, Ge(0.001), Le(100)] = 0.2
     "Probe travel per degree of the output shaft."
     travel_mm: Positive = 15.0
-    "As deep as the probe can go."
+    "Way of the probe, as deep as it can go."
     home_deg: float = 0.0
     "Position of the retracted probe, an angle of the shaft."
     push_sign: Literal[1, -1] = 1
@@ -122,7 +122,7 @@ class RigSettings:
     escape_mm_per_s: Annotated[float, Ge(5), Le(200)] = 20.0
     "Speed of the retraction that ends every run."
     settle_s: Annotated[float, Ge(0), Le(2)] = 0.3
-    "From the last command of that retraction until the motors are switched off."
+    "Time from the last command of that retraction until the motors are switched off."
     record_full_rate_force: bool = False
     "true: every record of the force sensor is kept in force-full-rate.csv, not only the newest of each turn."
     losses: LossSettings = field(default_factory=LossSettings)

@@ -24,7 +24,7 @@ _WEIGHTS /= _WEIGHTS.sum()
 
 _FROM_SERIES = 100.0
 _GAMMA_RATIO = (1.0, -1 / 8, 1 / 128, 5 / 1024, -21 / 32768, -399 / 262144, 869 / 4194304, 39325 / 33554432)
-"Of Gamma(x + 1/2) / Gamma(x) / sqrt(x), by powers of 1/x."
+"Coefficients of Gamma(x + 1/2) / Gamma(x) / sqrt(x), by powers of 1/x."
 
 
 def noncentral_t(df: Floats, nc: Floats, t: Floats) -> Floats:

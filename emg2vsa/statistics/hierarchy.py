@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from emg2vsa.statistics.reml import RemlFit
 
 _LEAST_SHARE = 1e-5
-"Of the median variance: recordings that scatter by less are taken as scattering by so much."
+"Share of the median variance. Recordings that scatter by less are taken as scattering by so much."
 _MOST_DF, _STEPS = 1e6, 20
 MOST_ALIKE = 0.6
 "Largest correlation of successive presses; a level that wanders over 10 s gives .4, and few presses often seem to."
@@ -36,7 +36,7 @@ ENOUGH = 5
 
 @dataclass(frozen=True, eq=False)
 class RecordingMeans:
-    """Of c recordings. mean, half (c,) : in the unit of the data, and half of the interval; count (c,) presses.
+    """Means of c recordings. mean, half (c,) : in the unit of the data, and half of the interval; count (c,) presses.
 
     sd : of a press, as a share of the level of its recording, typical of all; NaN where none has two presses.
     df : degrees of freedom behind ``sd`` that each recording borrows; infinite where recordings scatter equally, 0 of
@@ -52,7 +52,7 @@ class RecordingMeans:
 
 
 def recording_means(values: Floats, level: Floats, error: Floats, confidence: float = 0.95) -> RecordingMeans:
-    """Of presses (c, R) in the order they were made, NaN where there is none.
+    """Means of presses (c, R) in the order they were made, NaN where there is none.
 
     level : (c,) that the scatter is proportional to; a recording where it is not above 0 has no interval. error : (c,)
     standard error that the presses of a recording have in common. Half is NaN where no recording has two presses.

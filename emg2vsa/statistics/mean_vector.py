@@ -16,7 +16,7 @@ from scipy import special
 from emg2vsa.arrays import Floats, Ints
 
 _BESIDE = 1e-7
-"Of a standard error: nothing that matters."
+"Share of a standard error that does not matter."
 _HALVINGS = 60
 
 
@@ -34,11 +34,11 @@ class MeanVector:
 
     @property
     def length(self) -> float:
-        """Of the mean, which noise makes longer."""
+        """Length of the mean, which noise makes longer."""
         return float(np.linalg.norm(self.mean))
 
     def interval(self, confidence: float) -> tuple[float, float]:
-        """Of the length; NaN where ``p`` is."""
+        """Interval of the length; NaN where ``p`` is."""
         if self.p != self.p:
             return np.nan, np.nan
         d, free = self.mean.size, self.dof - self.mean.size + 1
@@ -48,7 +48,7 @@ class MeanVector:
 
 
 def mean_vector(vectors: Floats, groups: Ints) -> MeanVector:
-    """Of ``vectors`` (n, d), finite; groups (n,) : number of the group of each, 0 to G - 1, none of them empty.
+    """Mean of ``vectors`` (n, d), finite; groups (n,) : number of the group of each, 0 to G - 1, none of them empty.
 
     The test is Hotelling's T squared (1931).
     """

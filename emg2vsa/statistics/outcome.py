@@ -30,7 +30,7 @@ class Outcome:
     estimate_name: str | None = None
     estimate: float | None = None
     interval: tuple[float, float] | None = None
-    "Of the estimate, at ``confidence``."
+    "Interval of the estimate, at ``confidence``."
     confidence: float | None = None
     effect_name: str | None = None
     effect_size: float | None = None

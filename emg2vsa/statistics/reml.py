@@ -26,7 +26,7 @@ METHOD = "linear mixed model, REML, Satterthwaite df"
 LARGEST = 1e12
 """Ratio of variances beyond which the search does not go."""
 TINY_STEP = 1e-30
-"""Of the complex step: derivatives without a difference of numbers (Squire and Trapp 1998)."""
+"""Size of the complex step: derivatives without a difference of numbers (Squire and Trapp 1998)."""
 _STEPS = 100
 _GRID = (0.0, 1e-3, 1e-2, 0.1, 0.3, 1.0, 3.0, 10.0, 100.0, 1e4, 1e6, 1e8, 1e10, LARGEST)
 """Ratios at which the search may begin: the likelihood can have two tops."""
@@ -168,7 +168,7 @@ def fit_reml(values: ArrayLike) -> RemlFit | Outcome:
 
 
 def by_ratios(cells: Cells) -> Cost:
-    """Of the ratios (t1, t2), the variance of repetitions at its best."""
+    """Criterion of the ratios (t1, t2), the variance of repetitions at its best."""
 
     def cost(ratios: NDArray[Any]) -> tuple[Any, NDArray[Any]]:
         at = solve(cells, *ratios)
@@ -178,7 +178,9 @@ def by_ratios(cells: Cells) -> Cost:
 
 
 def by_variances(cells: Cells) -> Cost:
-    """Of the variances (3,) of participants, participants by specimens, repetitions; as low as ``by_ratios``."""
+    """Criterion of the variances (3,) of participants, participants by specimens, repetitions; as low as
+    ``by_ratios``.
+    """
 
     def cost(variance: NDArray[Any]) -> tuple[Any, NDArray[Any]]:
         error = np.where(variance[2].real > LEAST_ERROR, variance[2], LEAST_ERROR)

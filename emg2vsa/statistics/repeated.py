@@ -148,7 +148,7 @@ def _scaled(doubles: Floats, complete: NDArray[np.bool_]) -> tuple[Floats, Float
 
 
 def _epsilons(residual: Floats, n: Ints, k: int) -> tuple[Floats, Floats]:
-    """From the doubly centred covariance of the treatments: trace^2 over (k - 1) times its sum of squares."""
+    """Epsilons from the doubly centred covariance of the treatments: trace^2 over (k - 1) times its sum of squares."""
     covariance = np.swapaxes(residual, 1, 2) @ residual
     trace = np.trace(covariance, axis1=1, axis2=2)
     gg = np.clip(trace**2 / ((k - 1) * np.sum(covariance**2, axis=(1, 2))), 1 / max(k - 1, 1), 1.0)

@@ -32,15 +32,16 @@ from emg2vsa.statistics.moments import finite_or_nan
 _LEAST_PRESSES = 4
 _INCLUDED_P = 0.25
 _ROUNDING = 1e-9
-"""Of the mean: presses that differ by no more are equal."""
+"""Share of the mean: presses that differ by no more are equal."""
 _RHO = np.linspace(0.0, 0.95, 39)
 
 
 @dataclass(frozen=True)
 class SerialCorrelation:
-    """Of d calibrations. rho : (d,) correlation of successive presses, 0 where the test does not reject. p : (d,) of
-    independent presses, NaN where too few repeat. effective_n : (d, S) independent presses that those of each specimen
-    count as."""
+    """Serial correlation in d calibrations. rho : (d,) correlation of successive presses, 0 where the test does not
+    reject. p : (d,) of independent presses, NaN where too few repeat. effective_n : (d, S) independent presses that
+    those of each specimen count as.
+    """
 
     rho: Floats
     p: Floats
@@ -53,8 +54,9 @@ class SerialCorrelation:
 
 
 def serial_correlation(scores: Floats, most: float = 1.0) -> SerialCorrelation:
-    """Of presses (d, S, R) in the order they were made, NaN where there is none; its neighbours then count as
-    successive. Specimens weigh by their presses, and those with fewer than four do not count. most : of ``rho``.
+    """Serial correlation of presses (d, S, R) in the order they were made, NaN where there is none; its neighbours
+    then count as successive. Specimens weigh by their presses, and those with fewer than four do not count. most :
+    of ``rho``.
 
     The test is that of Durbin and Watson (1950) and Moran (1948); the expected r that of Sawa (1978).
     """
@@ -86,7 +88,7 @@ def serial_correlation(scores: Floats, most: float = 1.0) -> SerialCorrelation:
 
 
 def independent(groups: Floats) -> SerialCorrelation:
-    """Of presses (d, S, M, R) that are taken as independent."""
+    """Correlation 0 of presses (d, S, M, R) that are taken as independent."""
     n = np.count_nonzero(np.isfinite(groups), axis=(-2, -1)).astype(np.float64)
     return SerialCorrelation(np.zeros(len(groups)), np.full(len(groups), np.nan), n)
 

@@ -89,7 +89,7 @@ class CurveTests:
     draws: int
 
     def clusters(self) -> list[Cluster]:
-        """Of all specimens, then of every pair; a range ends where the difference changes its sign."""
+        """Ranges of all specimens, then of every pair; a range ends where the difference changes its sign."""
         found = list(self._ranges(-1, self.f, self.p, np.ones(self.f.shape)))
         for pair, (t, p) in enumerate(zip(self.pair_t, self.pair_p, strict=True)):
             both = [each for sign in (1, -1) for each in self._ranges(pair, np.abs(t), p, sign * t)]
@@ -200,7 +200,7 @@ class _Null:
     people: int
 
     def threshold(self, alpha: float) -> Threshold:
-        """Of F; infinite where ``alpha`` is less than one of all directions."""
+        """Threshold of F; infinite where ``alpha`` is less than one of all directions."""
         if not self.shares.size:
             return Threshold()
         rank = alpha * (self.shares.size + 1)
@@ -220,7 +220,8 @@ class _Null:
 
 
 def _nulls(own: Floats, draws: int, seed: int) -> tuple[_Null, _Null, _Null]:
-    """Of all specimens, of pairs, and of each specimen, from ``own`` (P, S, G), values less the mean of the person.
+    """Statistics of all specimens, of pairs, and of each specimen, from ``own`` (P, S, G), values less the mean of
+    the person.
 
     People are taken by the size of their rows, so that their order does not matter.
     """

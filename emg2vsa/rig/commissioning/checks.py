@@ -113,7 +113,9 @@ def check_rig(
 def _stiffness(
     hand: HandMotion, rig: RigSettings, reach_deg: float, said: float | None, say: Callable[[str], None]
 ) -> Check:
-    """At the two ends of the study's range; they tell the same full stiffness where it is proportional to the gain."""
+    """Stiffness at the two ends of the study's range. Both tell the same full stiffness where it is proportional to
+    the gain.
+    """
     joint = hand.joint
     assert joint is not None
     presets = joint.rounded([percent / 100 for percent in reversed(rig.stiffness_percent)]).tolist()
@@ -140,7 +142,7 @@ class MeasuredStiffness(NamedTuple):
 
     @property
     def full_nm_per_rad(self) -> float:
-        """At the full preset, N m/rad, as stiffness is proportional to it."""
+        """Stiffness at the full preset, N m/rad, to which stiffness is proportional."""
         return self.nm_per_rad / self.preset
 
 

@@ -34,18 +34,18 @@ _FOLLOWING_DEG, _FOLLOWING_S = 0.8, 0.1
 """Motors so far behind their references, and so long times their speed, do not follow, or their encoder errs; on their
 way at 25 degrees a second they are 1.1 behind."""
 _FROZEN_DEG = 0.4
-"""Of a command, over which a motor's encoder that stays the same is frozen: four of its steps."""
+"""Way of a command over which a motor's encoder that stays the same is frozen: four of its steps."""
 _RESTS_DEG = 5.0
-"""That the shaft may turn as the motors go on: springs that were bent by hand."""
+"""Most that the shaft may turn as the motors go on: springs that were bent by hand."""
 _BACK_DEG = 20.0
 _FRICTION_NM = 0.03
-"""Of shaft and guide together: three times the shaft's (guess)."""
+"""Friction of shaft and guide together: three times the shaft's (guess)."""
 _GAP_N = 3.0
 """How much more than the sensor feels the springs may bear beyond friction; a sound rig shows 1 N at most."""
 LIMIT_SHARE = 0.5
-"""Of guards.force_n: the largest force that a move by hand may be told to end at."""
+"""Share of guards.force_n: the largest force that a move by hand may be told to end at."""
 _CURRENT_SHARE = 0.3
-"""Of guards.current_a, over ten turns: 0.45 A, at which the emulated rigid motor presses with 8.5 N (a guess)."""
+"""Share of guards.current_a, over ten turns: 0.45 A, at which the emulated rigid motor presses with 8.5 N (a guess)."""
 _LAG_S = 0.3
 """So long after a retreat has begun the force may still rise: a sensor may lag."""
 
@@ -68,7 +68,7 @@ class Place:
 
 
 class Turn(NamedTuple):
-    """Of a move: shaft, force above the zero, and current of the motor that draws more."""
+    """One turn of a move: shaft, force above the zero, and current of the motor that draws more."""
 
     shaft_deg: float
     felt_n: float
@@ -126,7 +126,7 @@ class HandMotion:
 
     @property
     def joint(self) -> Joint | None:
-        """Of the actuator, once its motors have been switched on."""
+        """Joint of the actuator, once its motors have been switched on."""
         return self._actuator.joint
 
     def _begin(self) -> None:
@@ -330,7 +330,7 @@ class HandMotion:
                 raise DeviceError("probe", wanted="motors whose encoders move with them", found=found, do=do)
 
     def _borne_n(self, *, relaxing: bool = False) -> float:
-        """By how much the force of the springs on the probe has changed since the zero beyond friction, N."""
+        """Change of the springs' force on the probe since the zero, beyond friction, N."""
         now_n = self._springs_n()
         if relaxing and abs(now_n) <= abs(self._rest_n):
             return 0.0

@@ -26,12 +26,12 @@ from emg2vsa.rig.rig_settings import RigSettings
 AGREES = 0.1
 """Share by which the stiffness that was found may differ from the stated one."""
 _FROM_N, MOST_N = 1.0, 5.0
-"""Of the line; never more than half of the force limit."""
+"""Ends of the line; never more than half of the force limit."""
 _LEAST_TURNS = 10
 _DEEP = 0.75
-"""Of the largest force of the slow press: as deep go the others, that end later than they are told to."""
+"""Share of the largest force of the slow press to which the others go, as they end later than they are told to."""
 SLOW_MM_PER_S = 0.5
-"""At which a reference that turns out to be stiff goes little beyond 5 N."""
+"""Speed at which a reference that turns out to be stiff goes little beyond 5 N."""
 _ALONG, _LEFT_N = 0.94, 0.3
 """Of the force, that must lie along push_axis: 20 degrees off; and what may be felt when the probe is free again."""
 _COUNTS, _COUNT_S, _COUNT_SHARE = 1 << 32, 3.0, 0.005
@@ -174,7 +174,7 @@ def _stiffness(rig: RigSettings, used: Sequence[Turn]) -> Pressed:
 
 
 def _slope(x: Sequence[float], y: Sequence[float]) -> tuple[float, float]:
-    """Of y over x, and its standard error."""
+    """Slope of y over x, and its standard error."""
     (slope, _), covariance = np.polyfit(x, y, 1, cov=True)
     return float(slope), math.sqrt(float(covariance[0, 0]))
 

@@ -23,7 +23,7 @@ from emg2vsa.errors import DeviceError
 
 Verdict = Literal["motors off", "flag only", "no effect", "ran away"]
 _SILENCE_S = 0.5
-"""Beyond the watchdog's own time, whose steps are 41 ms."""
+"""Silence beyond the watchdog's own time, whose steps are 41 ms."""
 _MOVE_DEG = 2.5048828125
 """0.5 mm with the paper's gear."""
 _MOVED_DEG = 0.66
@@ -44,13 +44,13 @@ class WatchdogProof:
     serial_number: str
     firmware: str
     full_preset: float
-    "In the unit of its joint."
+    "Full preset in the unit of its joint."
     watchdog_s: float
     silence_s: float
     moved_before_deg: float
     "By a reference of 2.5 degrees with the motors on."
     moved_after_deg: float
-    "By the same reference after the silence."
+    "Way by the same reference after the silence."
 
     def is_of(self, info: Identity, full_preset: float, watchdog_s: float) -> bool:
         """Was it made with this device, its firmware and the watchdog's present time?"""
@@ -133,7 +133,7 @@ def read_proofs(rig_file: Path) -> dict[str, WatchdogProof]:
 
 
 def proof_document(proof: WatchdogProof, columns: LogColumns) -> dict[str, Any]:
-    """As plan.json has it: of a qbmove in ticks, as its log."""
+    """The proof as plan.json has it: of a qbmove in ticks, as in its log."""
     return in_ticks(asdict(proof), PROOF_KEYS) if columns == LOG_COLUMNS else asdict(proof)
 
 

@@ -27,7 +27,7 @@ from emg2vsa.rig.rig_settings import RigSettings
 _LAG_MM = 1.0
 """How far motors are behind their command in ordinary motion, and more."""
 GAINS = 0.74, 1.2
-"""Of the felt force over that of the springs: a press beyond is doubtful. Without a fault a stiff specimen under
+"""Range of the felt force over that of the springs: a press beyond is doubtful. Without a fault a stiff specimen under
 springs that grow stiffer shows 0.79, as the shaft comes to rest behind the motors."""
 
 

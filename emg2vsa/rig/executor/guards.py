@@ -17,17 +17,21 @@ from emg2vsa.rig.executor.motion import Phase
 from emg2vsa.rig.rig_settings import GuardSettings, RigSettings
 
 _GAP_AT_REST_N, _GAP_SHARE = 2.5, 0.3
-"""Of a gap between springs and sensor while the probe goes in; without a fault it is at most 1.9 N and that share."""
+"""Limits of a gap between springs and sensor while the probe goes in; without a fault it is at most 1.9 N and that
+share.
+"""
 _JUMP_DEG = 0.5
-"""By which springs let the shaft go ahead or stay behind in one turn; without a fault two encoder steps, 0.18."""
+"""Most by which springs let the shaft go ahead or stay behind in one turn; without a fault two encoder steps, 0.18."""
 _UNFELT_SHARE = 0.2
-"""Of guards.current_a: 0.3 A, at which the emulated rigid motor presses with 5 N; in free motion it draws 0.05 A."""
+"""Share of guards.current_a: 0.3 A, at which the emulated rigid motor presses with 5 N; in free motion it draws 0.05
+A.
+"""
 UNFELT_N = 2.5
 """While less is felt, a rigid motor that draws so much presses with what the sensor does not feel."""
 _UNMOVED_N = 2.0
 """One step of the encoder is far less on any specimen that a motor of such steps can press."""
 _SURELY = 1 - 1e-9
-"Of a limit, where the guard rounds otherwise."
+"Share of a limit that is surely below it, though the guard rounds otherwise."
 _STEEPEST_RAD = math.radians(85)
 _LOADS = ("Fx", "Fy", "Fz", "Tx", "Ty", "Tz")
 _INWARDS = ("approach", "contact", "load")
@@ -42,7 +46,7 @@ class Seen:
     at_before: Measurements | None = None
     "And the time before that."
     between_s: float = 0.0
-    "From that reading to the last."
+    "Time from that reading to the last."
     still_mm: float = 0.0
     "How far the motors have pressed on while the readings of the force sensor stayed the same."
     still_s: float | None = None
@@ -89,7 +93,7 @@ class Moment:
     period_s: float
     force: ForceSample
     before: ForceSample
-    "Of the turn before."
+    "Force of the turn before."
     force_n: float
     "Along the push axis."
     force_before_n: float
@@ -97,7 +101,7 @@ class Moment:
     "Between probe and surface, by the plan."
     phase: Phase
     rating: Rating | None
-    "Of the force sensor."
+    "Rating of the force sensor."
     frame_s: float | None
     "Time of the newest frame; None without a camera."
     depth_mm: float

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple
 from emg2vsa.rig.plan import RunPlan
 
 REST_S = 0.7
-"""At the retracted position before the first press, with the stiffest springs: there their zero shows best."""
+"""Rest at the retracted position before the first press, with the stiffest springs: there their zero shows best."""
 Phase = Literal["home", "approach", "contact", "load", "retract", "pause", "done", "escape"]
 
 
@@ -21,7 +21,7 @@ class Motion(NamedTuple):
     "When the phase began; when the rest of it did, of the way home."
     depth_mm: float
     repetition: int = 0
-    "From 1; 0 on the way home before the first."
+    "Number of the press, from 1; 0 on the way home before the first."
     step: int = 0
     "Force step whose stiffness is commanded."
 
@@ -124,7 +124,7 @@ class MovingAverage:
 
     @property
     def growth_per_s(self) -> float:
-        """Of the mean, over the last ``n`` samples; 0 before there are two."""
+        """Growth of the mean over the last ``n`` samples; 0 before there are two."""
         steps = len(self._means) - 1
         return (self._means[-1] - self._means[0]) * self.rate_hz / steps if steps > 0 else 0.0
 

@@ -18,11 +18,11 @@ from emg2vsa.rig.rig_settings import RigSettings
 from emg2vsa.schedules import CONDITIONS, Schedule, check
 
 _NOISE_N = 0.05
-"""Of the force sensor, at most."""
+"""Largest noise of the force sensor."""
 _STIFFENING_S = 0.1
 """How long the motors take to a new stiffness."""
 _BEYOND_LIMIT = 1.2
-"""Of the force limit: a depth at which the specimen would bear so much is too deep."""
+"""Share of the force limit: a depth at which the specimen would bear so much is too deep."""
 UNWITNESSED_N = 2.0
 """Largest F_max of a rigid motor on a specimen of unknown stiffness, whose force has no second witness."""
 _ROUNDED = 1e-9
@@ -169,7 +169,7 @@ def _slope(contact: PowerLaw, plan: RunPlan, *, sticks: bool) -> float:
 
 
 def _stiffening_mm(plan: RunPlan, rig: RigSettings) -> float:
-    """By how much the last step of stiffness before F_max, at zero load, bends the joint back."""
+    """Way by which the last step of stiffness before F_max bends the joint back at zero load."""
     if plan.schedule is None:
         return 0.0
     last = plan.step_at(plan.f_max_n)

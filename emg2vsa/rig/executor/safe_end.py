@@ -137,7 +137,7 @@ class _Escape:
         return self.tried(lambda: self._check(start.contact_n))
 
     def _take_away(self, start: Start) -> None:
-        """From where the probe is. _Pressing : it presses harder, or leads nowhere."""
+        """Take the probe away from where it is. _Pressing : it presses harder, or leads nowhere."""
         low_deg, high_deg = self._rig.position_deg
         if not low_deg <= self._rig.position_at(self._depth_mm) <= high_deg:
             # the device would take no command, and go by that encoder with all its force
@@ -346,7 +346,7 @@ class _Escape:
         self._lowest_n = min(self._lowest_n, math.inf if self.felt_n is None else felt_n)
 
     def _mean_n(self) -> float | None:
-        """Of the last samples; noise of one is no force."""
+        """Mean of the last samples: the noise of one sample is no force."""
         return mean_size(self._vectors) if self._vectors else None
 
     def _wait(self, duration_s: float) -> None:
@@ -359,7 +359,7 @@ class _Escape:
         return self._from_home_mm() <= self._there_mm()
 
     def _from_home_mm(self) -> float:
-        """By the motors' encoders; infinite where these do not tell."""
+        """Distance from home by the motors' encoders; infinite where they do not tell."""
         depths_mm: list[float] = []
         self.tried(lambda: depths_mm.append(self._rig.depth_at(self._actuator.position_deg())))
         return abs(depths_mm[0]) if depths_mm else math.inf

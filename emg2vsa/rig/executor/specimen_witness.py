@@ -19,9 +19,9 @@ from emg2vsa.rig.record.press_counts import PressKappa
 from emg2vsa.rig.rig_settings import RigSettings
 
 _FROM_N, _LEAST_TURNS, _LEAST_SPAN = 1.0, 20, 2.0
-"""Of a loading that tells kappa; the largest force over the smallest."""
+"""Least force and turns of a loading that tells kappa, and its largest force over the smallest."""
 _LEAST_MM = 0.6
-"""Of a way after contact from which its stiffness is told: on less, noise of 0.1 N looks like another specimen."""
+"""Least way after contact from which the stiffness is told: on less, noise of 0.1 N looks like another specimen."""
 _CREEP = 0.025
 """Power of time with which contacts of rubber relax: 11 % between 0.1 and 10 s, of silicone less and of the printed
 dome more (Petet et al. 2021). Stiffness is that after 1 s, and a press meets the bodies stiffer."""
@@ -88,7 +88,7 @@ class SpecimenWitness:
         return math.inf if least_mm <= 0 else max(0.0, named_mm / least_mm) ** (1 / self._power) - 1
 
     def kappa(self) -> PressKappa | None:
-        """By the loading that is over; None of one that is too short to tell."""
+        """Kappa by the loading that is over; None if it is too short to tell."""
         modulus_mpa = self._modulus_mpa()
         if modulus_mpa is None:
             return None
@@ -96,7 +96,7 @@ class SpecimenWitness:
         return PressKappa(*(self._dome.stiffness_n_per_mm(modulus_mpa * math.exp(at)) for at in (0.0, -spread, spread)))
 
     def doubt(self) -> str | None:
-        """What the loading that is over presses like, where that is not the specimen of the plan."""
+        """Doubt about a loading that does not press like the specimen of the plan."""
         modulus_mpa, named = self._modulus_mpa(), self._plan.stiffness_n_per_mm
         if modulus_mpa is None or named is None or self._far(modulus_mpa, named) <= _OTHER_SDS:
             return None
@@ -108,7 +108,7 @@ class SpecimenWitness:
         )
 
     def _modulus_mpa(self) -> float | None:
-        """Of dome and specimen in series, after 1 s."""
+        """Modulus of dome and specimen in series, after 1 s."""
         turns = self._turns
         if len(turns) < _LEAST_TURNS or turns[-1][1] < self._enough:
             return None
@@ -119,7 +119,7 @@ class SpecimenWitness:
         return float((1 / (self._per_mm * mm_per)) ** (1 / self._power) / self._stiffer())
 
     def _stiffer(self) -> float:
-        """By how much the bodies are in a press of this length."""
+        """Factor by which the bodies are stiffer in a press of this length."""
         return float((1 + _RAMP * _CREEP) * max(self._loaded_s, 0.05) ** -_CREEP)
 
     def _sd(self, modulus_mpa: float) -> float:
@@ -129,7 +129,7 @@ class SpecimenWitness:
         return math.hypot(self._dome_sd * dome, _PRESS_SD, angle, _STATED_SD * (1 - dome))
 
     def _far(self, modulus_mpa: float, kappa: float) -> float:
-        """From a specimen of this stiffness, standard deviations."""
+        """Distance from a specimen of this stiffness, in standard deviations."""
         named_mpa = self._dome.modulus_mpa(kappa)
         return abs(math.log(modulus_mpa / named_mpa)) / self._sd(named_mpa)
 

@@ -41,15 +41,15 @@ _OPEN = 2**_WIDTH_BITS - 1
 SLOTS = 16
 """Frames that may wait for the estimator: 0.8 s of them."""
 READY_S = 60.0
-"""In which the estimator must have loaded what it needs."""
+"""Time in which the estimator must have loaded what it needs."""
 END_S = 3.0
-"""In which it must have ended; then it is ended."""
+"""Time in which the estimator must end by itself; afterwards it is killed."""
 _NICE = -10
 """Behind the control loop, and before ordinary programs where the system permits it."""
 _MEMORY = "/dev/shm"
 """Files in it are memory, on Linux."""
 MOST_READINGS = 2000
-"""That come with a frame; of more, the newest."""
+"""Most readings that come with a frame; of more readings, the newest."""
 _FRAME = Struct("<qqdq")
 """Slot, repetition, time of the frame, how many readings lie in the slot."""
 _OVER, _END = b"over", b"end"

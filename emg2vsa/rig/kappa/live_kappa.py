@@ -39,12 +39,12 @@ class KappaRow:
     """A line of kappa.csv: what is known after a frame. Cells of what is not known yet are empty."""
 
     time_s: float
-    "Of the frame, on the clock of the log."
+    "Time of the frame, on the clock of the log."
     repetition: int
     frame: int
-    "Of the press, from 0."
+    "Frame of the press, from 0."
     force_n: float
-    "At the exposure of the frame, above the level at rest."
+    "Force at the exposure of the frame, above the level at rest."
     area: float | None
     "Contact area, in the unit of the calibration."
     kappa_n_per_mm: float
@@ -52,9 +52,9 @@ class KappaRow:
     high_n_per_mm: float
     "Total 95 % interval."
     half_width: float
-    "Of the interval, as a share of kappa."
+    "Half width of the interval, as a share of kappa."
     presses: int
-    "That count in it."
+    "Presses that count in the interval."
     judged_at_n: float
     "Force up to which areas were used."
     cues: str
@@ -64,7 +64,7 @@ class KappaRow:
     stop: str
     "Why the press may stop; empty while it goes on."
     latency_s: float
-    "From the exposure to this line; empty where time is not real."
+    "Time from the exposure to this line; empty where time is not real."
     note: str = ""
 
     def told(self) -> str:
@@ -253,7 +253,7 @@ class _Press:
     readings: deque[tuple[float, float]] = field(default_factory=lambda: deque(maxlen=2000))
 
     def force_at(self, time_s: float, readings: Rows) -> float:
-        """As a recording has it, N."""
+        """Force as a recording has it, N."""
         self.frame_s.append(time_s)
         self.n_frames += 1
         self.readings.extend(readings)

@@ -11,7 +11,7 @@ from emg2vsa.devices.clock import LoopTiming
 How = Literal["completed", "rejected", "stopped", "interrupted", "guard", "failed", "killed"]
 _ROOM_BYTES = 8192
 LATE_SHARE = 0.01
-"""Of its turns that a good loop may begin late."""
+"""Share of its turns that a good loop may begin late."""
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,12 @@ class Ended:
     phase: str
     repetition: int
     time_s: float
-    "On the clock of the log."
+    "Time on the clock of the log."
     at: str
     "Date and time, ISO 8601."
     repetitions_done: int = 0
     rows: int = 0
-    "In the log."
+    "Rows in the log."
     retracted: bool = False
     "Read back before the motors were switched off: they were at the retracted position, and no force was felt."
     deactivated: bool = False

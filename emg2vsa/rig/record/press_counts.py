@@ -61,7 +61,7 @@ class PressCounts:
     peak_lateral_n: float = 0.0
     "Largest force across it."
     stopped: str = ""
-    "At which force and why a press was stopped before the force of a whole one; empty for a whole press."
+    "Force at which, and reason why, a press was stopped before the force of a whole one; empty for a whole press."
     kappa_n_per_mm: float = math.nan
     "Stiffness of the specimen by force over depth of this press, with its 95 % interval; empty where it tells none."
     kappa_low_n_per_mm: float = math.nan
@@ -183,7 +183,7 @@ class PressTally:
         self._now.stopped = why
 
     def kappa(self, kappa: PressKappa) -> None:
-        """Of the specimen by this press."""
+        """Kappa of the specimen by this press."""
         now = self._now
         now.kappa_n_per_mm, now.kappa_low_n_per_mm, now.kappa_high_n_per_mm = kappa
 

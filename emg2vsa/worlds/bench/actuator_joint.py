@@ -19,7 +19,7 @@ _STEPS = 200
 _SOLVED_RAD = 1e-8
 """A step of Newton's so small is the last: as they converge, the one after it would be below 1e-13."""
 _SURELY = 1 - 1e-9
-"Of the friction: torques on the way are rounded otherwise than those at its ends."
+"Share of the friction: torques on the way are rounded otherwise than those at its ends."
 
 
 class Joint(Protocol):

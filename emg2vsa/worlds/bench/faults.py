@@ -19,7 +19,7 @@ def _drift(bench: EmulatedRig, n_per_s: float) -> None:
 
 
 SENSOR_FAULTS = faults_in("box.faults", BoxFaults) | faults_in("camera.faults", CameraFaults)
-"""By the name that is typed; those of an actuator stand beside its far end."""
+"""Faults by the name that is typed; those of an actuator stand beside its far end."""
 SENSOR_FAULTS["drift"] = replace(SENSOR_FAULTS["drift"], strike=_drift)
 _ON_OFF = {"on": 1.0, "": 1.0, "off": 0.0}
 _LINE = re.compile(

@@ -230,14 +230,14 @@ class PressDraws:
 
     @property
     def frame_timing(self) -> FrameTiming:
-        """Of the camera."""
+        """Timing of the frames of the camera."""
         e = self._used
         seed = int(self._seeds(_OF_SENSOR).generate_state(2)[1])
         return FrameTiming(e.camera_latency_s, e.camera_jitter_s, e.late_frames_share, e.late_frames_s, seed)
 
     @property
     def preset_latency_s(self) -> float:
-        """Of the actuator's commands."""
+        """Latency of the actuator's commands."""
         return self._used.preset_latency_s
 
     @cached_property
@@ -257,7 +257,7 @@ class PressDraws:
 
     @property
     def sensor_seed(self) -> int:
-        """Of the force sensor's noise."""
+        """Seed of the force sensor's noise."""
         return int(self._seeds(_OF_SENSOR).generate_state(1)[0])
 
     def _normal(self, stream: int, count: int) -> list[float]:
@@ -274,5 +274,5 @@ class PressDraws:
 
 
 def _specimen_share(stiffness_n_per_mm: float, contact: ContactWorld) -> float:
-    """In the compliance of sensor and specimen."""
+    """Share of the specimen in the compliance of sensor and specimen."""
     return specimen_share(contact.specimen_mpa(stiffness_n_per_mm), contact.sensor_modulus_mpa)

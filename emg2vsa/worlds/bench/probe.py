@@ -61,7 +61,7 @@ class WorldSettings:
 
 
 _MOST_STRAIN = 0.8
-"Of a cylinder; the force of one pressed flatter grows on as it did there."
+"Largest strain of a cylinder; beyond it the force grows on as it did there."
 
 
 class PlateContact:
@@ -168,7 +168,7 @@ class Probe:
         return normal_n * self._sin - shear_n * self._cos, 0.0, self.along_n(normal_n, shear_n)
 
     def along_n(self, normal_n: float, shear_n: float) -> float:
-        """Of both forces, that down the probe's axis, N."""
+        """Part of both forces that goes down the probe's axis, N."""
         return normal_n * self._cos + shear_n * self._sin
 
     def begin(self, step_s: float) -> None:

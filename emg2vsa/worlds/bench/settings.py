@@ -14,9 +14,11 @@ from emg2vsa.devices.device_settings import Text
 from emg2vsa.settings import Ge, Gt, Le, Positive
 
 Share = Annotated[float, Ge(0), Le(0.75)]
-"Of a force, that a body loses between 0.1 and 10 s after a step of its depth; creep by a power law comes to 0.77."
+"Share of a force that a body loses between 0.1 and 10 s after a step of its depth; creep by a power law comes to 0.77."
 RELAXATION = {"S1": 0.03, "S2": 0.04, "S3": 0.06, "S4": 0.06, "S5": 0.12}
-"""Of the paper's specimens (guess: stiff, well cured silicone creeps little, soft mixtures more; Petet et al. 2021)."""
+"""Relaxation of the paper's specimens (guess: stiff, well cured silicone creeps little, soft mixtures more; Petet et
+al. 2021).
+"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,7 +40,7 @@ class EmulatedSettings:
     """Viscoelastic: bodies creep, the skin sticks and slides, commands and frames are late, and every mounting differs.
     Elastic: none of that; area follows from force alone, and the keys below from relaxation on keep their defaults."""
     gap_mm: Annotated[float, Ge(2), Le(100)] = 3.0
-    "From the retracted probe to the specimen's surface, mm (guess)."
+    "Gap from the retracted probe to the specimen's surface, mm (guess)."
     force_noise_n: Annotated[float, Gt(0), Le(1)] = 0.01
     "Standard deviation of the force sensor's noise in each record, N (guess). Without noise a sensor counts as dead."
     force_rate_hz: Annotated[float, Ge(200), Le(7000)] = 500.0
@@ -69,7 +71,7 @@ class EmulatedSettings:
     friction: Annotated[float, Ge(0), Le(2)] = 0.6
     "Coefficient between skin and specimen (guess: rubber on silicone); 0 is frictionless."
     friction_drop: Annotated[float, Ge(0), Le(0.5)] = 0.05
-    "By how much the coefficient is smaller while the skin slides (guess)."
+    "Drop of the coefficient while the skin slides (guess)."
     friction_sd: Annotated[float, Ge(0), Le(0.3)] = 0.1
     "Standard deviation of the coefficient from mounting to mounting (guess: dust, wear)."
     mount_n_per_mm: Annotated[float, Ge(1), Le(1e6)] = 30.0
@@ -79,12 +81,13 @@ class EmulatedSettings:
     adhesion_sd_mj_per_m2: Annotated[float, Ge(0), Le(50)] = 5.0
     "Standard deviation of it from press to press, mJ/m2 (guess); it is never below 0."
     softening: Annotated[float, Ge(0), Le(0.2)] = 0.02
-    "By how much the specimen is stiffer in the first press of a mounting (guess: Mullins; Liao et al. 2020)."
+    "Share by which the specimen is stiffer in the first press of a mounting (guess: Mullins; Liao et al. 2020)."
     softening_sd: Annotated[float, Ge(0), Le(0.1)] = 0.01
     "Standard deviation of that from mounting to mounting (guess)."
     preset_latency_s: Annotated[float, Ge(0), Le(0.02)] = 0.015
-    """From a command until the motors' loop goes by it, s (guess: bus and firmware). With 0.03 the guard of following
-    ends runs."""
+    """Time from a command until the motors' loop goes by it, s (guess: bus and firmware). With 0.03 the guard of
+    following ends runs.
+    """
     camera_latency_s: Annotated[float, Ge(0), Le(0.2)] = 0.035
     "Mean time from exposure to arrival of a frame, s, which the rig takes off (a USB camera; pupil-labs/pupil#152)."
     camera_latency_sd_s: Annotated[float, Ge(0), Le(0.02)] = 0.005
@@ -94,7 +97,7 @@ class EmulatedSettings:
     late_frames_share: Annotated[float, Ge(0), Le(0.5)] = 0.02
     "Share of the frames that arrive later still (seeing-things/track#78)."
     late_frames_s: Annotated[float, Ge(0), Le(0.04)] = 0.03
-    "By how much these are late, s; less than the time from frame to frame."
+    "Time by which these frames are late, s; less than the time from frame to frame."
     force_zero_sd_n: Annotated[float, Ge(0), Le(0.2)] = 0.02
     "Standard deviation of the force sensor's zero, N: after the tare of a mounting, and again at each press (guess)."
     area_sd: Annotated[float, Ge(0), Le(0.1)] = 0.015

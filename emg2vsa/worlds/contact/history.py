@@ -115,7 +115,7 @@ class ContactHistory:
 def _weights(
     branches: list[tuple[float, float]], instant: float, step_s: float
 ) -> tuple[list[tuple[float, float, float]], float]:
-    """Of each branch over a step: of its state, of the force at the start and of that at the end; and beta."""
+    """Weights of each branch over a step: of its state, of the force at the start and of that at the end; and beta."""
     weights, beta = [], instant
     for tau_s, branch in branches:
         left, from_old, from_new = shares_of_step(step_s / tau_s)

@@ -154,7 +154,9 @@ class ConvolvedForce:
 
 
 def shares_of_step(share: float) -> tuple[float, float, float]:
-    """Of a branch's state and of the force at start and end of a step of ``share`` of its time: e, w0 and w1 above."""
+    """Shares of a branch's state and of the force at start and end of a step of ``share`` of its time: e, w0 and w1
+    above.
+    """
     gone = -math.expm1(-share)
     mean = gone / share if share > 0 else 1.0
     return 1 - gone, mean - (1 - gone), 1 - mean

@@ -20,10 +20,10 @@ if TYPE_CHECKING:
 Way = Literal["to device", "to host"]
 Spoil = Callable[[bytes], bytes]
 Strike = Callable[[Any, float], None]
-"""Of the bench and a number."""
+"""What a fault does to the bench with a number."""
 Action = Callable[[], None]
 _FLOOD_BYTES, _FLOOD_BYTES_PER_S = 64, 200_000
-"""At once, and of a line of 2 Mbaud."""
+"""Bytes that flood at once, and bytes a second of a line of 2 Mbaud."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Fault:
 
     @property
     def lasts(self) -> bool:
-        """Until it is put off."""
+        """The fault lasts until it is put off."""
         return self.kind != "count"
 
 
@@ -73,7 +73,9 @@ def _field(name: str, default: object, made: Callable[[float], object], **told: 
 
 
 def faults_in(part: str, faults: type[DataclassInstance]) -> dict[str, Fault]:
-    """By the name that is typed: the fields of a dataclass that are faults. part : of the bench, that holds one."""
+    """Faults by the name that is typed: the fields of a dataclass that are faults. part : of the bench, that holds
+    one.
+    """
     return {
         each.metadata["name"]: Fault(strike=of_part(part, each.name, each.metadata["made"]), **each.metadata["told"])
         for each in fields(faults)
@@ -104,7 +106,7 @@ class FaultPlan:
         self._at_times.append((time_s, action))
 
     def at_force(self, force_n: float, action: Action) -> None:
-        """As soon as the true force on the specimen is ``force_n``, N, or more."""
+        """The fault begins as soon as the true force on the specimen is ``force_n``, N, or more."""
         self._at_forces.append((force_n, action))
 
     def clear(self) -> None:
@@ -124,12 +126,12 @@ class FaultPlan:
 
 
 def thousandth(value: float) -> float:
-    """Of a number of milliseconds or the like."""
+    """A thousandth of a number, of milliseconds or the like."""
     return value / 1000
 
 
 def percent(value: float) -> float:
-    """As a share."""
+    """A number of percent as a share."""
     return value / 100
 
 
@@ -143,11 +145,11 @@ class Frames(Protocol):
 
     @property
     def position_commands(self) -> frozenset[int]:
-        """That tell it where to go."""
+        """Commands that tell the motor where to go."""
 
     @property
     def watchdog_commands(self) -> frozenset[int]:
-        """That set its watchdog."""
+        """Commands that set the watchdog."""
 
     def without(self, data: bytes, commands: frozenset[int]) -> bytes:
         """``data`` but for the packets of ``commands``; what is no whole packet stays as it is."""

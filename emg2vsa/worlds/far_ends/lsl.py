@@ -14,7 +14,7 @@ from emg2vsa.worlds.people.participant import EmulatedParticipant
 from emg2vsa.worlds.people.sensors import EmgSampler, ForceSampler
 
 PERIOD_S = 0.01
-"From chunk to chunk."
+"Time from chunk to chunk."
 EMG_HZ, FORCE_HZ = 2000.0, 1000.0
 EMG_STREAM, FORCE_STREAM = "emulated EMG", "emulated force"
 

@@ -192,7 +192,7 @@ class RdtBox:
         self._post.deliver(time_s)
 
     def newest_until(self, time_s: float) -> tuple[Record, float] | None:
-        """Of the records that are due the newest, and when it is measured, s; nobody looks at those before it."""
+        """The newest of the records that are due, and when it is measured, s. Nobody looks at those before it."""
         stream, ticks = self._due(time_s)
         if stream is None:
             return None
@@ -243,7 +243,7 @@ class RdtBox:
         return list(map(self._load, wrenches))
 
     def _load(self, wrench: Sequence[float]) -> Sequence[float]:
-        """In the box's units. Of a wrench that stays, the same as of the one before."""
+        """The load in the box's units. Of a wrench that stays, the same as of the one before."""
         if wrench is not self._wrench:
             self._wrench, self._of_wrench = wrench, tuple(map(truediv, wrench, self._size)) if any(wrench) else NO_LOAD
         return self._of_wrench

@@ -75,7 +75,7 @@ def write_csv(folder: Path, planned: PlannedRecording, recording: SyntheticRecor
 
 
 def write_emgworks(folder: Path, planned: PlannedRecording, recording: SyntheticRecording) -> Path:
-    """As Delsys EMGworks exports it without its header lines: each channel behind its own time column.
+    """Write the file as Delsys EMGworks exports it without its header lines: each channel behind its own time column.
 
     The layout states no units: EMG is in volts, and force (an analog input of the same system) is in whatever unit the
     study gives its force channel. Headings are the channel names of the study, so name them as EMGworks would

@@ -41,7 +41,7 @@ CORRECTION_S, CORRECTION = (0.15, 0.25), {"too fast": 0.7, "too slow": 1.4}
 MOST_N = 12.0
 "Nobody presses harder without being told to."
 PATIENCE_S = 1.5
-"Who has pressed for so long without START lifts the finger."
+"Time after which a participant who presses without START lifts the finger."
 FAST, SLOW, ABORT_N, LATE_S, STAY_S = 4.0, 1 / 3, 4.0, 1.0, 6.0
 DIP_AT_N, DIP_N_PER_S, DIP_S = 3.5, -3.0, 0.35
 CONTRACTION_S = 0.3
@@ -135,7 +135,7 @@ class EmulatedParticipant:
         self._advance_to(0)
 
     def watch(self, page: Page) -> None:
-        """From now on this page is in sight."""
+        """Begin to watch this page."""
         with self._lock:
             self._page = page
 

@@ -22,9 +22,9 @@ JOIN_SHARE = 0.6
 REST_SHARE = 0.2
 "Rest tone, as a share of the co-contraction where the logarithm ends."
 _VISITS = 1000
-"From here on addresses of random numbers are those of later visits; the others are streams of a first one."
+"First address of random numbers of later visits; those below are streams of a first visit."
 USUAL_STIFFNESS_N_PER_MM = 3.0
-"Of a specimen whose stiffness the study does not say."
+"Stiffness of a specimen for which the study states none."
 
 
 class Response(NamedTuple):
@@ -123,7 +123,9 @@ def person_of(study: Study, participant: str) -> Person:
 
 
 def participant_factor(settings: SimulationSettings, index: int) -> tuple[float, np.random.Generator]:
-    """By what a and b of participant number ``index`` differ from those of the study; and the draws that follow."""
+    """Factors by which a and b of participant number ``index`` differ from those of the study; and the draws that
+    follow.
+    """
     # a seed is an address, so a recording does not depend on how many others there are
     rng = np.random.default_rng(np.random.SeedSequence(settings.seed, spawn_key=(index,)))
     return float(spread(rng, settings.participant_sd, 1)[0]), rng

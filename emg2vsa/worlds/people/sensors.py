@@ -28,7 +28,7 @@ FORCE_HZ, FORCE_RANGE_N = 1000.0, 290.0
 _FACTS = {"manufacturer": "emg2vsa (emulated)", "model": "emulated participant"}
 FRAME_S = 0.0135
 LOST_SHARE = 0.05
-"Of the frames of a radio that loses some."
+"Share of lost frames of a radio that loses some."
 _EMG, _FORCE, _LOST = 1, 2, 3
 "Streams of random numbers of one seed; 0 are the hand's."
 

@@ -88,7 +88,7 @@ class _Pages:
 
 
 class Faults(NamedTuple):
-    """Of an electrode, rms: white noise, and mains hum of a frequency."""
+    """Faults of an electrode, rms: white noise, and mains hum of a frequency."""
 
     noise_v: float
     mains_v: float

@@ -19,7 +19,7 @@ from emg2vsa.worlds.tactile.world import Array, ContactEllipse, ContactState, Po
 _SHIPPED = (SHIPPED, DEFAULT_WORLD)
 _OUTLINE = 360
 _SOFTER = 0.8
-"Of the softest table: the scatter of specimens."
+"Share of the softest table's stiffness: the scatter of specimens."
 
 
 @cache
@@ -173,7 +173,7 @@ class TabulatedSkin:
         self._first = self.state(pressing.start_n)
 
     def state(self, force_n: float) -> ContactState:
-        """Of a contact under a normal force, N."""
+        """State of a contact under a normal force, N."""
         radius_mm = self._scale * _radius(self._log_force, self._log_radius, force_n)
         return ContactState(radius_mm=self._radius_factor * radius_mm, normal_n=force_n)
 

@@ -115,7 +115,7 @@ class PressedSkin(Protocol):
     """The skin of one press."""
 
     def state(self, force_n: float) -> ContactState:
-        """Of a contact that a normal force, N, presses; the shipped worlds know no history."""
+        """State of a contact that a normal force, N, presses; the shipped worlds know no history."""
 
     def moved_px(self, rest_px: Points, state: ContactState) -> Points:
         """(N, 2) where tips of pins, at rest at (N, 2), are in that state."""

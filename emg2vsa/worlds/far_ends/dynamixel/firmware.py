@@ -135,7 +135,7 @@ class DynamixelFirmware:
         return self.write(int.from_bytes(parameters[:2], "little"), parameters[2:])
 
     def write(self, address: int, data: bytes) -> Error:
-        """As if a packet had come that writes one item."""
+        """Write one item, as if a packet had come."""
         error, value = self.table.check(address, data)
         values = self.table.values
         if error or (address == t.BUS_WATCHDOG and self._loop.motor.faults.deaf_watchdog):

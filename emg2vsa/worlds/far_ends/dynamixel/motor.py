@@ -25,7 +25,7 @@ UNSUPPLIED_V = 5.0
 _VOLTAGE, _HEAT, _OVERLOAD = 0x01, 0x04, 0x20
 """Bits of Hardware Error Status and of Shutdown."""
 _FULL = 0.95
-"""Of the stall current: what counts as overload (guess) ..."""
+"""Share of the stall current: what counts as overload (guess) ..."""
 _OVERLOADED_MS = 1000
 """... after such a time (guess)."""
 _NEVER_MS = 1 << 62
@@ -67,7 +67,7 @@ class Motor:
 
     @property
     def volts(self) -> float:
-        """At the motor's plug."""
+        """Voltage at the motor's plug."""
         return UNSUPPLIED_V if self.faults.unsupplied else self.faults.supply_v
 
     def pulses(self) -> int:
@@ -147,7 +147,7 @@ class Loop:
         self.stand()
 
     def stand(self) -> None:
-        """From a standstill here: the trajectory begins where the shaft is."""
+        """Begin from a standstill here: the trajectory begins where the shaft is."""
         self._trajectory = self._held = self._aim = float(self.position())
         self._rate = self._most_rate = 0.0
 
@@ -257,7 +257,7 @@ class Loop:
         return stands and (not on or (self._trajectory == self._aim and not self._full_ms and not motor.load_nm))
 
     def _current(self) -> float:
-        """That pulls the shaft to its trajectory, units of 2.69 mA."""
+        """Current that pulls the shaft to its trajectory, units of 2.69 mA."""
         acting = self._acting
         self._follow(self._held if self._halted else acting[t.GOAL_POSITION])
         most = min(abs(acting[t.GOAL_CURRENT]), acting[t.CURRENT_LIMIT])

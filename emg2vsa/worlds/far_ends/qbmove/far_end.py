@@ -21,10 +21,13 @@ DEVICE_ID = 1
 # with the rate limit of the factory, 0, a saturated move never starts; the one at which motors do move is a guess
 _MODELS = {"maker-pro": MAKER_PRO, "advanced": replace(ADVANCED, max_pwm_rate=10)}
 MOTOR_SPEED_RAD_PER_S = 3.0
-"""Of the gearbox's output at full PWM: a guess. The paper names the motor (Maxon DCX8, GPX8 35:1, 12 V) without it."""
+"""Speed of the gearbox's output at full PWM: a guess. The paper names the motor (Maxon DCX8, GPX8 35:1, 12 V)
+without it.
+"""
 MOTOR_TORQUE_NM, MOTOR_CURRENT_MA = 0.3, 1500.0
-"""At which the rigid motor stalls, 26 N at the probe with the gear of the emulated rig: guesses. The catalogue's motor
-could not press with 7 N through that gear, which is a guess too."""
+"""Torque and current at which the rigid motor stalls, 26 N at the probe with the gear of the emulated rig: guesses.
+The catalogue's motor could not press with 7 N through that gear, which is a guess too.
+"""
 MOTOR_BOARD = replace(
     MAKER_PRO,
     supply_mv=12000,

@@ -18,7 +18,7 @@ INTERNAL_PER_TICK = 2
 CONTROL_MODES = ("Position", "PWM", "Current", "Position and current", "Deflection", "Deflection and current")
 INPUT_MODES = ("Usb", "Encoder 3")
 FORMATS = {0: "B", 2: "B", 3: "h", 5: "i", 7: "f"}
-"Of a parameter's type."
+"Formats of parameters by the number of their type."
 _SINGLE = {
     1: "device_id",
     4: "startup",
@@ -74,14 +74,14 @@ def fixed(*gains: float) -> list[int]:
 
 @dataclass(frozen=True, kw_only=True)
 class Switches:
-    """In what one model differs from the other, as their sources of generation 6 do."""
+    """Switches by which one model differs from the other, as their sources of generation 6 do."""
 
     version: str
     counts_backwards: bool
     "Encoders count against the wire: offsets and references are negated on the way in."
     parameters: int
     watchdog_counts: int
-    "At the factory, and after each start."
+    "Counts of the watchdog at the factory, and after each start."
     position_gains: tuple[float, float, float]
     current_gains: tuple[float, float, float]
     pwm_limit: int

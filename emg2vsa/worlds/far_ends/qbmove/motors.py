@@ -33,7 +33,7 @@ _WITHOUT_RATE = 13
 _STRAINED = 0.5
 """Part of the stall torque from which the load is looked at in every turn."""
 _WATCHDOG_MS = [int(counts * 0.04096 * 1000) for counts in range(256)]
-"Of so many counts; one byte is sent."
+"Time of each count of the watchdog; one byte is sent."
 _NEVER_MS = 1 << 62
 
 Pair = tuple[int, int]
@@ -191,7 +191,7 @@ class Loop:
         self._now_ms = int(start_s * 1000)
         self.new = self.current = self.old = References()
         self.bridge_on: int | None = None
-        "What the motors go by after a watchdog that has cleared no more than the flag, until the next ACTIVATE."
+        "Whether the bridge is on after a watchdog that cleared only the flag; None: as the flag says."
         self._watchdog_ms = _NEVER_MS
         self._latency_ms = round(latency_s * 1000)
         self._commanded: deque[tuple[int, Pair]] = deque()
