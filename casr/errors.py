@@ -47,6 +47,10 @@ class PassingError(InputError):
     """
 
 
+EXTRAS = {"skfem": "solver", "scipy": "solver"}
+"""Library to the extra that installs it."""
+
+
 def install_extra(extra: str) -> str:
     """The command that installs an extra, for the ``do`` of an error.
 

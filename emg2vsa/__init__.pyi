@@ -1,6 +1,9 @@
 from casr import __version__ as __version__
 from emg2vsa.errors import Emg2vsaError as Emg2vsaError
 from emg2vsa.public.given import Settings as Settings
+from emg2vsa.public.plots import plot_fits as plot_fits
+from emg2vsa.public.plots import plot_press as plot_press
+from emg2vsa.public.plots import plot_specimens as plot_specimens
 from emg2vsa.public.recordings import Recording as Recording
 from emg2vsa.public.recordings import channels as channels
 from emg2vsa.public.recordings import fit as fit
@@ -22,6 +25,9 @@ __all__ = [
     "channels",
     "fit",
     "load",
+    "plot_fits",
+    "plot_press",
+    "plot_specimens",
     "read",
     "run",
     "samples",

@@ -5,6 +5,12 @@ from __future__ import annotations
 import casr.errors
 from casr.errors import install_extra as install_extra
 
+EXTRAS = {
+    **dict.fromkeys(("scipy", "pandas", "matplotlib", "edfio", "ezc3d", "jinja2", "serial"), "study"),
+    **dict.fromkeys(("pynwb", "hdmf"), "nwb"),
+}
+"""Library to the extra that installs it."""
+
 
 class Emg2vsaError(casr.errors.UserError):
     """Base of the errors of emg2vsa."""

@@ -80,6 +80,15 @@ def test_what_is_not_installed_is_named_with_its_extra(words: list[str], tmp_pat
     )
 
 
+@pytest.mark.parametrize("name", ["emg2vsa.read", "emg2vsa.plot_fits", "emg2vsa.load"])
+def test_a_function_names_the_extra_that_it_lacks(name: str) -> None:
+    code = without(HUMAN, f"import emg2vsa; {name}")
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    last = done.stderr.strip().splitlines()[-1]
+    do = 'Install it: pip install ".[study]" in the folder of the sources.'
+    assert re.fullmatch(rf"\w+: {name}: expected the library \w+, but found none. {re.escape(do)}", last)
+
+
 def test_the_container_copies_what_is_there_and_what_its_ignore_file_admits() -> None:
     recipe = (ROOT / "scripts" / "container" / "Dockerfile").read_text()
     copied = [name for line in re.findall(r"^COPY (.+) \S+$", recipe, flags=re.M) for name in line.split()]

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import casr
 from casr.command_line import Program
+from casr.errors import EXTRAS
 
 PROGRAM = Program(
     name="casr",
@@ -26,7 +27,7 @@ PROGRAM = Program(
         "completion",
     ),
     stopped="Files that were finished are kept.",
-    extras={"skfem": "solver", "scipy": "solver"},
+    extras=EXTRAS,
 )
 
 

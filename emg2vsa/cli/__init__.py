@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import emg2vsa
 from casr.command_line import Program
 from emg2vsa.cli.tools import SUBCOMMANDS as TOOLS
+from emg2vsa.errors import EXTRAS
 
 PROGRAM = Program(
     name="emg2vsa",
@@ -20,8 +21,7 @@ PROGRAM = Program(
         "session": "session", "rig": "rig", "verify": "report", "tools": "tools",
     },
     stopped="What was finished is kept; the same command goes on from there.",
-    extras=dict.fromkeys(("scipy", "pandas", "matplotlib", "edfio", "ezc3d", "jinja2", "serial"), "study")
-    | dict.fromkeys(("pynwb", "hdmf"), "nwb"),
+    extras=EXTRAS,
     moved={name: f"tools {name}" for name in TOOLS},
 )  # fmt: skip
 

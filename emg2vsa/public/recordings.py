@@ -30,6 +30,7 @@ from emg2vsa.public.given import (
     refuse_missing_labels,
     settings_or_default,
 )
+from emg2vsa.public.headers import clock, headed
 from emg2vsa.readers.front_door import inspect
 from emg2vsa.readers.opened import StoredChannel, usable
 from emg2vsa.readers.roles import (
@@ -109,12 +110,13 @@ def read(
 
     Parameters
     ----------
-    source : a file, or a DataFrame with a column for each channel, evenly sampled at ``fs_hz``.
+    source : a file, or a DataFrame with a column for each channel, evenly sampled at ``fs_hz``. Headers may be those of
+        a file: ``EDC (mV)``, ``Fz [N]``, ``time [s]``.
     emg : names of the EMG channels, or muscle to name. force : name of the force channel. Columns of a DataFrame may
         have whole numbers for names.
     force_file : second file that holds the force, on the same clock.
-    fs_hz : sampling rate, where the file does not state it; of a DataFrame it is needed unless it has ``time_s``.
-    emg_unit, force_unit, newtons_per_unit, gain : where the file does not say; a DataFrame is in V and N without them.
+    fs_hz : sampling rate, where the file does not state it; of a DataFrame it is needed unless it has times.
+    emg_unit, force_unit, newtons_per_unit, gain : where file or headers do not say; a DataFrame is then in V and N.
         newtons_per_unit is for a unit that is no force.
     sign : -1 where the sensor reports a press as a negative force. tare : take the force at rest off.
     settings : its table ``reading`` limits decoders.
@@ -128,13 +130,15 @@ def read(
     table = source if isinstance(source, pd.DataFrame) else None
     path = Path("DataFrame") if table is not None else file_of(source, "read", "a file or a DataFrame")
     muscles, force = _muscles(emg, plain(force), table is not None, force_file is None), plain(force)
+    units = dict.fromkeys(muscles.values(), emg_unit)
     if table is not None:
-        emg_unit = "V" if emg_unit is None else emg_unit
-        force_unit = "N" if force_unit is None and newtons_per_unit is None else force_unit
+        units = {name: emg_unit or (None if headed(table, name)[1] else "V") for name in muscles.values()}
+        if newtons_per_unit is None and headed(table, force)[1] is None:
+            force_unit = force_unit or "N"
     spelt = {name: name if table is None else str(name) for name in (*muscles.values(), force)}
     asked = plain({
         "emg": {
-            role: {"name": spelt[name], "unit": emg_unit, "gain": gain, "fs_hz": fs_hz}
+            role: {"name": spelt[name], "unit": units[name], "gain": gain, "fs_hz": fs_hz}
             for role, name in muscles.items()
         },
         "force": {
@@ -180,15 +184,17 @@ def _of_table(
     table: pd.DataFrame, path: Path, muscles: Mapping[str, Any], force: Any, asked: ChannelSettings
 ) -> Recording:
     """A recording from columns of samples, by the rules for those of a file that states no unit."""
-    columns = {name: numbers_of(table, name) for name in (*muscles.values(), force)}
+    columns = {name: numbers_of(table, headed(table, name)[0]) for name in (*muscles.values(), force)}
     fs_hz, start_s = asked.force.fs_hz, 0.0
-    if "time_s" in table.columns:
-        fs_hz, start_s = _rate_and_start(numbers_of(table, "time_s", wanted="seconds as numbers"), fs_hz)
+    if (times := clock(table, has_rate=fs_hz is not None)) is not None:
+        label, unit_s = times
+        fs_hz, start_s = _rate_and_start(numbers_of(table, label, wanted="seconds as numbers") * unit_s, fs_hz, label)
     if fs_hz is None:
         do = "Give the sampling rate: fs_hz=1000."
-        raise SettingError("read, fs_hz", wanted="a rate in Hz for a DataFrame without time_s", found="none", do=do)
+        raise SettingError("read, fs_hz", wanted="a rate in Hz for a DataFrame without times", found="none", do=do)
 
     def stored(name: Any, unit: str | None, slowest_hz: float) -> StoredChannel:
+        unit = unit or headed(table, name)[1]
         channel = usable(path, str(name), StoredChannel(str(name), columns[name], unit, fs_hz, start_s))
         refuse_rate(path, channel, slowest_hz)
         return channel
@@ -208,8 +214,10 @@ _DRIFT = 0.5
 _RATES_DIFFER = 0.01
 
 
-def _rate_and_start(time_s: Floats, fs_hz: float | None) -> tuple[float, float]:
+def _rate_and_start(time_s: Floats, fs_hz: float | None, label: str) -> tuple[float, float]:
     """Rate (Hz) and start (s) of times (n,) in seconds; ``fs_hz`` goes before the measured rate where it is given.
+
+    label : of their column.
 
     Times are judged as a whole: about the straight line through them they may wander by their rounding and half a step.
     DataError: they are not evenly spaced. SettingError: ``fs_hz`` is another rate.
@@ -225,16 +233,16 @@ def _rate_and_start(time_s: Floats, fs_hz: float | None) -> tuple[float, float]:
         even = bool(np.ptp(since_s - step_s * counts) <= rounding_s * (1 + 1e-9) + _DRIFT * step_s)
     if not even:
         raise DataError(
-            "DataFrame, time_s", wanted="times that rise by one step", found="other steps",
+            f"DataFrame, {label}", wanted="times that rise by one step", found="other steps",
             do="Resample the table, split it at gaps, or give fs_hz and drop the column.",
         )  # fmt: skip
     measured_hz = (time_s.size - 1) / float(time_s[-1] - time_s[0])
     # the ends are rounded too: a short table does not tell its rate better than that
     slack = _RATES_DIFFER + 2 * rounding_s / float(time_s[-1] - time_s[0])
     if fs_hz is not None and abs(fs_hz - measured_hz) > slack * measured_hz:
-        do = "Leave fs_hz out, or drop the column time_s."
+        do = f"Leave fs_hz out, or drop the column {label}."
         found = f"{fs_hz:g} Hz"
-        raise SettingError("read, fs_hz", wanted=f"{measured_hz:.6g} Hz, as time_s says", found=found, do=do)
+        raise SettingError("read, fs_hz", wanted=f"{measured_hz:.6g} Hz, as {label} says", found=found, do=do)
     return fs_hz or measured_hz, float(time_s[0])
 
 
