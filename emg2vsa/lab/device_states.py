@@ -70,8 +70,8 @@ def scan(
 
     kind : of actuator that is asked for on ``ports``. baud : of ``ports``; None: as the kind has it.
     ids : the only ones to ask; none: all that there are. wait_s : for each answer, s.
-    SettingError : no such kind. Nothing is sent to a port or address that is not named. DeviceError where the rig of
-        the file is in use.
+    SettingError : no such kind. DeviceError : the rig of the file is in use.
+    Nothing is sent to a port or address that is not named.
     """
     clock = WallClock()
     boards = [board for board in (file.devices.actuator, file.devices.motor) if board] if file else []
