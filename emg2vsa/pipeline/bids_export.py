@@ -163,33 +163,23 @@ def export(
     sources: list[str] = []
     written: set[str] = set()
     total = sum(len(entry.parts) for entry in entries) + len(runs)
+    judging = {} if fits is None else {entry.key: _Judged(fits.get(entry.key)) for entry in entries}
     with _whole_or_nothing(folder) as unfinished:
-        if not is_label(about.task):
-            raise SettingError(
-                "--task", wanted="letters and digits only", found=repr(about.task), do="Rename the task."
-            )
-        people = _labels("participant", [entry.participant for entry in entries])
-        specimens = _labels("specimen", [entry.specimen for entry in entries if entry.specimen])
-        for entry in entries:
-            judged = None if fits is None else _Judged(fits.get(entry.key))
-            for number, part in enumerate(entry.parts, 1):
-                if progress is not None:
-                    progress(len(files) + len(failures), total, entry.key)
-                of_visit = [n for n, other in enumerate(entry.parts, 1) if other.visit == part.visit]
-                run = of_visit.index(number) + 1 if len(of_visit) > 1 else None
-                specimen = specimens[entry.specimen] if entry.specimen else ""
-                recording = RecordingName(people[entry.participant], about.task, specimen, run, visit=part.visit)
-                try:
-                    taken, said = _take(recording, entry, part, about, base, cocontraction, reading, judged)
-                    made = _write(unfinished, taken, said) if writer is None else writer.recording(unfinished, taken)
-                except Emg2vsaError as error:
-                    failures.append((entry.key, str(error)))
-                    continue
-                files += [folder / path.relative_to(unfinished) for path in made]
-                written.add(recording.participant)
-                notes += [f"{made[0].name}: {note}" for note in said]
-                used = ", ".join(path.name for path in (part.emg_file, part.force_file) if path is not None)
-                sources += [f"- `{path.name}`: {used}" for path in made]
+        for entry, part, recording in _named(entries, about.task):
+            if progress is not None:
+                progress(len(files) + len(failures), total, entry.key)
+            try:
+                judged = judging.get(entry.key)
+                taken, said = _take(recording, entry, part, about, base, cocontraction, reading, judged)
+                made = _write(unfinished, taken, said) if writer is None else writer.recording(unfinished, taken)
+            except Emg2vsaError as error:
+                failures.append((entry.key, str(error)))
+                continue
+            files += [folder / path.relative_to(unfinished) for path in made]
+            written.add(recording.participant)
+            notes += [f"{made[0].name}: {note}" for note in said]
+            used = ", ".join(path.name for path in (part.emg_file, part.force_file) if path is not None)
+            sources += [f"- `{path.name}`: {used}" for path in made]
         for own in runs:
             assert writer is not None
             if progress is not None:
@@ -207,6 +197,22 @@ def export(
             )  # fmt: skip
             write_dataset(unfinished, whole)
     return Exported(tuple(files), tuple(failures), tuple(dict.fromkeys(notes)))
+
+
+def _named(
+    entries: Sequence[RecordingEntry], task: str
+) -> Iterator[tuple[RecordingEntry, RecordingPart, RecordingName]]:
+    """Every file of every entry with its name in BIDS. SettingError : the task is no label, or two names become one."""
+    if not is_label(task):
+        raise SettingError("--task", wanted="letters and digits only", found=repr(task), do="Rename the task.")
+    people = _labels("participant", [entry.participant for entry in entries])
+    specimens = _labels("specimen", [entry.specimen for entry in entries if entry.specimen])
+    for entry in entries:
+        for number, part in enumerate(entry.parts, 1):
+            of_visit = [n for n, other in enumerate(entry.parts, 1) if other.visit == part.visit]
+            run = of_visit.index(number) + 1 if len(of_visit) > 1 else None
+            specimen = specimens[entry.specimen] if entry.specimen else ""
+            yield entry, part, RecordingName(people[entry.participant], task, specimen, run, visit=part.visit)
 
 
 def run_folders(study: Study) -> list[Path]:

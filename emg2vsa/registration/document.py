@@ -68,49 +68,60 @@ def read_registration(path: Path, study: str | None) -> Plain:
     """The registration of the study of this name, None for any. DataError : there is none, or it, or the text for
     people beside it, is not as it was written."""
 
-    def refused(wanted: str, found: str, do: str = _RESTORE) -> DataError:
-        return DataError(path, wanted=wanted, found=found, do=do)
-
-    try:
-        content = json.loads(path.read_bytes().decode(), object_pairs_hook=_once)
-    except OSError as error:
-        do = "Correct registration under [study], or write one: emg2vsa register."
-        found = {FileNotFoundError: "no such file", IsADirectoryError: "a folder"}.get(type(error), error.strerror)
-        raise refused("a registration", found or "no file", do) from None
-    except (ValueError, RecursionError) as error:
-        raise refused("a registration, which is JSON", f"text that is cut off or edited ({error})") from None
-    form = content.get("form") if isinstance(content, dict) else None
+    content = _parsed(path)
+    form = content.get("form")
     if form != FORM:
         do = "Read it with the version of emg2vsa that wrote it, or restore the file."
-        raise refused(f"the form {FORM!r}", repr(form) if form else "another file", do)
-    absent = [name for name in (*SIGNED, "sha256_of", "sha256") if name not in content]
-    more = [name for name in content if name not in (*SIGNED, "sha256_of", "sha256")]
-    if absent or more:
-        told = [f"no {', '.join(absent)}"] * bool(absent) + [f"{', '.join(more)} besides"] * bool(more)
-        raise refused("the fields of a registration", " and ".join(told))
-    hashes = content["sha256_of"] if isinstance(content["sha256_of"], dict) else {}
-    edited = [name for name in SIGNED if hashes.get(name) != _sha256(content[name])]
-    now = _sha256({name: value for name, value in content.items() if name != "sha256"})
-    if edited or now != content["sha256"]:
-        where = f" (edited: {', '.join(edited)})" if edited else ""
-        raise refused(f"the content that SHA-256 {str(content['sha256'])[:12]} signs", f"that of {now[:12]}{where}")
-    odd = [name for name, kind in SIGNED.items() if not isinstance(content[name], kind)]
-    if odd:
-        raise refused("a registration as emg2vsa register writes it", f"other values of {', '.join(odd)}")
+        raise _refused(path, f"the form {FORM!r}", repr(form) if form else "another file", do)
+    _check_signed(path, content)
     if study not in (None, content["study"]):
         do = (
             "Put the registration beside the study file that it is of. If you renamed the study, write a registration "
             "with emg2vsa register --out FILE, which amends this one, and name it under [study]: registration = FILE."
         )
-        raise refused(f"the registration of the study {study!r}", f"that of {content['study']!r}", do)
+        raise _refused(path, f"the registration of the study {study!r}", f"that of {content['study']!r}", do)
     text = path.with_suffix(".md")
     if text.is_file() and content["sha256"].encode() not in text.read_bytes():
-        wanted, do = (
-            f"the text of {path.name}, SHA-256 {content['sha256'][:12]}",
-            "Restore both as they were registered.",
-        )
-        raise DataError(text, wanted=wanted, found="another", do=do)
-    return dict(content)
+        wanted = f"the text of {path.name}, SHA-256 {content['sha256'][:12]}"
+        raise _refused(text, wanted, "another", "Restore both as they were registered.")
+    return content
+
+
+def _refused(path: Path, wanted: str, found: str, do: str = _RESTORE) -> DataError:
+    return DataError(path, wanted=wanted, found=found, do=do)
+
+
+def _parsed(path: Path) -> Plain:
+    """The object of JSON in the file; empty where it holds another value. DataError : no file, or no JSON."""
+    try:
+        content = json.loads(path.read_bytes().decode(), object_pairs_hook=_once)
+    except OSError as error:
+        do = "Correct registration under [study], or write one: emg2vsa register."
+        found = {FileNotFoundError: "no such file", IsADirectoryError: "a folder"}.get(type(error), error.strerror)
+        raise _refused(path, "a registration", found or "no file", do) from None
+    except (ValueError, RecursionError) as error:
+        found = f"text that is cut off or edited ({error})"
+        raise _refused(path, "a registration, which is JSON", found) from None
+    return content if isinstance(content, dict) else {}
+
+
+def _check_signed(path: Path, content: Plain) -> None:
+    """DataError : fields are absent, besides, edited, or of another kind."""
+    absent = [name for name in (*SIGNED, "sha256_of", "sha256") if name not in content]
+    more = [name for name in content if name not in (*SIGNED, "sha256_of", "sha256")]
+    if absent or more:
+        told = [f"no {', '.join(absent)}"] * bool(absent) + [f"{', '.join(more)} besides"] * bool(more)
+        raise _refused(path, "the fields of a registration", " and ".join(told))
+    hashes = content["sha256_of"] if isinstance(content["sha256_of"], dict) else {}
+    edited = [name for name in SIGNED if hashes.get(name) != _sha256(content[name])]
+    now = _sha256({name: value for name, value in content.items() if name != "sha256"})
+    if edited or now != content["sha256"]:
+        where = f" (edited: {', '.join(edited)})" if edited else ""
+        signed = f"the content that SHA-256 {str(content['sha256'])[:12]} signs"
+        raise _refused(path, signed, f"that of {now[:12]}{where}")
+    odd = [name for name, kind in SIGNED.items() if not isinstance(content[name], kind)]
+    if odd:
+        raise _refused(path, "a registration as emg2vsa register writes it", f"other values of {', '.join(odd)}")
 
 
 def _once(pairs: list[tuple[str, Any]]) -> Plain:

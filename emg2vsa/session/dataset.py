@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
 from pathlib import Path
@@ -36,7 +36,7 @@ from emg2vsa.session.journal import (
 )
 from emg2vsa.session.plan import PLAN_FILE, Plan, read_plan
 from emg2vsa.session.presses import Presses, folded
-from emg2vsa.session.stays import StaySignals, StayWindow, cut, stay_windows, stored_streams
+from emg2vsa.session.stays import StaySignals, StayWindow, StoredStream, cut, stay_windows, stored_streams
 from emg2vsa.session.views import ScreenReport
 from emg2vsa.session_settings import SessionAbout, SessionSettings
 from emg2vsa.settings import ChannelSettings
@@ -79,16 +79,7 @@ def write_dataset(folder: Path, study: Study) -> Written:
     presses = folded(lines, plan.presses)
     streams, faults = stored_streams(folder, lines)
     windows = stay_windows(presses)
-    left_out: list[tuple[str, str]] = []
-    stays: list[_Stay] = []
-    for name, window in zip(_names(windows, plan, study.task), windows, strict=True):
-        emg, force = (streams.get((window.sitting, kind), []) for kind in ("emg", "force"))
-        own = [line for line in lines if line.sitting == window.sitting]
-        try:
-            channels, signals = _channels(study, plan.participant, window.specimen), cut(window, emg, force)
-            stays.append(_Stay(name, window, own, signals, _stored(signals, channels, name.stem, settings.about)))
-        except Emg2vsaError as error:
-            left_out.append((f"{window.phase} on {window.specimen}", str(error)))
+    stays, left_out = _stays(study, plan, lines, streams, windows)
     targets = [stay.name.path(study.data) for stay in stays]
     title = study.title or study.name
     whole = bids.DataSet(
@@ -111,6 +102,26 @@ def write_dataset(folder: Path, study: Study) -> Written:
             do="Make room and write it again: emg2vsa session finish. The session itself is whole.",
         ) from error  # fmt: skip
     return Written(tuple(targets), tuple(left_out), (*map(str, faults), *_notes(lines, windows, stays)))
+
+
+def _stays(
+    study: Study, plan: Plan, lines: Sequence[Line], streams: Mapping[tuple[int, str], list[StoredStream]],
+    windows: Sequence[StayWindow],
+) -> tuple[list[_Stay], list[tuple[str, str]]]:  # fmt: skip
+    """The stays at specimens that can be written; and those that cannot, with the reason."""
+    assert study.session is not None
+    stays: list[_Stay] = []
+    left_out: list[tuple[str, str]] = []
+    for name, window in zip(_names(windows, plan, study.task), windows, strict=True):
+        emg, force = (streams.get((window.sitting, kind), []) for kind in ("emg", "force"))
+        own = [line for line in lines if line.sitting == window.sitting]
+        try:
+            channels, signals = _channels(study, plan.participant, window.specimen), cut(window, emg, force)
+            stored = _stored(signals, channels, name.stem, study.session.about)
+            stays.append(_Stay(name, window, own, signals, stored))
+        except Emg2vsaError as error:
+            left_out.append((f"{window.phase} on {window.specimen}", str(error)))
+    return stays, left_out
 
 
 def refuse_foreign(folder: Path, study: Study, participant: str) -> None:

@@ -81,6 +81,11 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
         yield name, value <= rig.max_mm_per_s, f"at most rig.max_mm_per_s, {rig.max_mm_per_s:g}", value
     for name, value in (("pause_s", plan.pause_s), ("contact_s", plan.contact_s), ("lead_s", plan.lead_s)):
         yield name, 0 <= value < math.inf, "0 s or more", value
+    yield from _force_rules(plan, rig)
+    yield from _travel_rules(plan, rig)
+
+
+def _force_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
     yield (
         "stiffness_n_per_mm",
         plan.witnessed or plan.plate or plan.f_max_n <= UNWITNESSED_N,
@@ -102,6 +107,9 @@ def _plan_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
         f"a speed at which the force overshoots to at most the guard, {high:g} N",
         f"{plan.ramp_mm_per_s:g}, which lets expect {most_n or 0:.1f} N",
     )
+
+
+def _travel_rules(plan: RunPlan, rig: RigSettings) -> Iterator[Rule]:
     yield "travel_mm", plan.travel_mm <= rig.travel_mm, f"at most {rig.travel_mm:g} mm, the rig's", plan.travel_mm
     low_deg, high_deg = rig.position_deg
     wanted = f"{low_deg:.6g} to {high_deg:.6g} degrees, the device's"
