@@ -8,6 +8,7 @@ along the surface, with its history (``casr.dome.pull``), and the noise that the
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 
@@ -46,6 +47,27 @@ class State:
     shared: Array
     own: Array
     radius_mm: Array
+
+
+@dataclass(frozen=True, eq=False)
+class TableWorld:
+    """A world of a family, of even friction, at R radii of the tables: the same for every press that begins there.
+
+    radius_mm : (R,). motion : (3, R, S).
+    """
+
+    place: float
+    z: float
+    radius_mm: Array
+    motion: Array
+
+    @classmethod
+    def of(cls, family: Family, place: float, z: float, least_mm: float = 0.0) -> TableWorld:
+        """At the radii from about the least on."""
+        radius_mm = family.radius_mm
+        radius_mm = radius_mm[min(int(np.searchsorted(radius_mm, least_mm)), radius_mm.size - 1) :]
+        weights = family.world(place, z, 0.5, 0.0, np.zeros(len(family.bends))).motion
+        return cls(place, z, radius_mm, _at_radii(family, weights, radius_mm)[0])
 
 
 class PressField:
@@ -91,20 +113,24 @@ class PressField:
         """(T, N, 2) with errors that are alike and independent, for the noise of pins at rest and in contact."""
         return np.asarray(moved - self._rest_share * moved.mean(axis=0))
 
-    def predicted(self, state: State) -> Array:
-        """(T, N, 2) motion, px, without a common shift."""
+    def predicted(self, state: State, around: PinsAroundAxis | None = None) -> Array:
+        """(T, N, 2) motion, px, without a common shift. around : ``_around`` of the state, where it is known."""
         z, stick = state.own[:2]
         bend = state.shared[len(OF_VIEW) :][: len(self.family.bends)]
         weights = self.family.world(state.shared[0], z, stick, 0.0, bend).motion
-        around = self._around(np.concatenate([state.shared, state.own]))
-        motion, _ = self._under(around, self._in_frames(weights, state)[0])
-        moved = around.moved_px(*motion.transpose(0, 2, 1)).transpose(2, 0, 1)
+        motion = _at_radii(self.family, weights, state.radius_mm)[0]
+        return self._moved_by(motion, self._around(state) if around is None else around)
+
+    def _moved_by(self, motion: Array, around: PinsAroundAxis) -> Array:
+        """(T, N, 2) px of the pins on a skin that moves by (3, T, S), without a common shift."""
+        under, _ = self._under(around, motion)
+        moved = around.moved_px(*under.transpose(0, 2, 1)).transpose(2, 0, 1)
         return np.asarray(moved - moved.mean(axis=1, keepdims=True))
 
     def left(self, state: State) -> Array:
         """(M,) residuals, px, in the order of frames, x and y, pins, without what a pull tells."""
-        left = (self.seen - self.whitened(self.predicted(state))).swapaxes(1, 2)
-        around = self._around(np.concatenate([state.shared, state.own]))
+        around = self._around(state)
+        left = (self.seen - self.whitened(self.predicted(state, around))).swapaxes(1, 2)
         return np.asarray(self._without_pulls(left[None], around, state.radius_mm)[0])
 
     @property
@@ -135,21 +161,12 @@ class PressField:
             pole_px=(view.pole_px[0] + shared[3], view.pole_px[1] + shared[4]),
         )  # fmt: skip
 
-    def _around(self, values: Array) -> PinsAroundAxis:
-        """The pins about the contact's middle, by shared and own parameters."""
-        view = self._view_at(values[: len(SHARED)])
-        axis = self._axis + values[-2:] @ self._across
-        return view.around(view.directions(self._rest_px), axis / np.linalg.norm(axis))
-
-    def _in_frames(self, weights: Array, state: State) -> tuple[Array, Array]:
-        """(3, ..., T, S) motion of worlds by weights (..., K) at the radii of the frames, and its slope, per mm."""
-        radius_mm = self.family.radius_mm
-        step_mm = radius_mm[1] - radius_mm[0]
-        row, share, per_mm = _between(state.radius_mm, radius_mm[0], step_mm, radius_mm.size)
-        first = int(row.min())
-        motion = self.family.motion(weights, first, int(row.max()) + 2)
-        low, high = (np.ascontiguousarray(np.moveaxis(motion[..., row - first + k, :, :], -1, 0)) for k in (0, 1))
-        return low + (high - low) * share[:, None], (high - low) * per_mm[:, None]
+    def _around(self, state: State, directions: Array | None = None) -> PinsAroundAxis:
+        """The pins about the contact's middle. directions : of the pins in the state's view, where they are known."""
+        view = self._view_at(state.shared)
+        axis = self._axis + state.own[-2:] @ self._across
+        directions = view.directions(self._rest_px) if directions is None else directions
+        return view.around(directions, axis / np.linalg.norm(axis))
 
     def _under(self, around: PinsAroundAxis, of_frames: Array) -> tuple[Array, Array]:
         """(..., T, N) of (..., T, S) under each pin, and its slope along the arc, per mm."""
@@ -161,23 +178,28 @@ class PressField:
 
     def linearised(self, state: State) -> tuple[Array, Array]:
         """(M,) residuals, px, and (M, 9 + T) their derivatives by shared and own parameters and radii."""
-        values, first, n_frames = np.concatenate([state.shared, state.own]), len(OF_VIEW), self.n_frames
-        bends = len(self.family.bends)
+        n_shared, first, n_frames, bends = len(SHARED), len(OF_VIEW), self.n_frames, len(self.family.bends)
         z, stick = state.own[:2].tolist()
-        weights = self.family.motion_slopes(values[0], z, stick, values[first : first + bends])
-        around = self._around(values)
-        in_frames, by_radius = self._in_frames(weights, state)
+        weights = self.family.motion_slopes(state.shared[0], z, stick, state.shared[first : first + bends])
+        around = self._around(state)
+        in_frames, by_radius = _at_radii(self.family, weights, state.radius_mm)
         under, by_arc = self._under(around, np.concatenate([in_frames, by_radius[:, :1]], axis=1))
         pins = PinSlopes(around, under[:, 0], by_arc[:, 0])
         by_skin = pins.by_skin(under[:, 1:]).transpose(1, 2, 0, 3)
-        columns = np.zeros((len(values) + n_frames, n_frames, 2, self.n_pins))
-        of_world = [0, len(SHARED), len(SHARED) + 1, *range(first, first + bends)]
+        n_values = n_shared + len(OWN)
+        columns = np.zeros((n_values + n_frames, n_frames, 2, self.n_pins))
+        of_world = [0, n_shared, n_shared + 1, *range(first, first + bends)]
         columns[of_world] = by_skin[:-1]
         for k, step in _STEPS.items():
-            other = values.copy()
-            other[k] += step
-            columns[k] = pins.by_view(self._around(other), step).swapaxes(0, 1)
-        columns[len(values) + np.arange(n_frames), np.arange(n_frames)] = by_skin[-1]
+            shared, own = state.shared.copy(), state.own.copy()
+            if k < n_shared:
+                shared[k] += step
+            else:
+                own[k - n_shared] += step
+            # only another view sees a pin in another direction
+            other = self._around(replace(state, shared=shared, own=own), None if k < n_shared else around.directions)
+            columns[k] = pins.by_view(other, step).swapaxes(0, 1)
+        columns[n_values + np.arange(n_frames), np.arange(n_frames)] = by_skin[-1]
         columns -= columns.mean(axis=-1, keepdims=True)
         columns -= self._rest_share * columns.mean(axis=1, keepdims=True)
         here = pins.moved_px.transpose(1, 2, 0)
@@ -201,18 +223,28 @@ class PressField:
             left.append(float(np.sqrt(residual @ residual / (residual.size - self.n_of_frames))))
         return np.array(left)
 
-    def started(self, place: float, z: float, least_mm: float = 0.0) -> tuple[State, float]:
-        """The state in which each frame has the radius, out of those of the tables from about the least on, that suits
-        it best; cost, px^2."""
-        radius_mm = self.family.radius_mm
-        radius_mm = radius_mm[min(int(np.searchsorted(radius_mm, least_mm)), radius_mm.size - 1) :]
-        state = State(np.append(place, np.zeros(len(SHARED) - 1)), np.array([z, 0.5, 0, 0]), radius_mm)
-        every = self.predicted(state).reshape(state.radius_mm.size, -1)
-        seen = self._moved.reshape(self.n_frames, -1)
-        cost = (every**2).sum(axis=1) - 2 * seen @ every.T
-        best = np.argmin(cost, axis=1)
-        rising = np.maximum.accumulate(state.radius_mm[best])
-        return replace(state, radius_mm=rising), float((cost.min(axis=1) + (seen**2).sum(axis=1)).sum())
+    def started(self, worlds: Sequence[TableWorld]) -> list[tuple[State, float]]:
+        """For each of the worlds the state in which each frame has the radius that suits it best; cost, px^2."""
+        undisturbed = State(np.zeros(len(SHARED)), np.array([0, 0.5, 0, 0]), np.empty(0))
+        around, seen, states = self._around(undisturbed), self._moved.reshape(self.n_frames, -1), []
+        for world in worlds:
+            every = self._moved_by(world.motion, around).reshape(world.radius_mm.size, -1)
+            cost = (every**2).sum(axis=1) - 2 * seen @ every.T
+            rising = np.maximum.accumulate(world.radius_mm[np.argmin(cost, axis=1)])
+            shared, own = undisturbed.shared.copy(), undisturbed.own.copy()
+            shared[0], own[0] = world.place, world.z
+            states.append((State(shared, own, rising), float((cost.min(axis=1) + (seen**2).sum(axis=1)).sum())))
+        return states
+
+
+def _at_radii(family: Family, weights: Array, at_mm: Array) -> tuple[Array, Array]:
+    """(3, ..., T, S) motion of worlds by weights (..., K) at radii (T,), and its slope, per mm."""
+    radius_mm = family.radius_mm
+    row, share, per_mm = _between(at_mm, radius_mm[0], radius_mm[1] - radius_mm[0], radius_mm.size)
+    first = int(row.min())
+    motion = family.motion(weights, first, int(row.max()) + 2)
+    low, high = (np.ascontiguousarray(np.moveaxis(motion[..., row - first + k, :, :], -1, 0)) for k in (0, 1))
+    return low + (high - low) * share[:, None], (high - low) * per_mm[:, None]
 
 
 def _spread(frames: Rows) -> Rows:

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.kappa.family import Family
-from casr.kappa.field import BENDS, LEAST_RADIUS_MM, OWN, SHARED, PressField, State
+from casr.kappa.field import BENDS, LEAST_RADIUS_MM, OWN, SHARED, PressField, State, TableWorld
 
 Array = NDArray[np.float64]
 
@@ -175,8 +175,10 @@ class _Fit:
         if labels is not None:
             before = zip(self._fields, labels.fields, labels.states, strict=True)
             return labels.mean, [_followed(new, old, state) for new, old, state in before]
-        tried = [[min((field.started(p, z) for z in _ZS), key=lambda each: each[1]) for field in self._fields]
-                 for p in places]  # fmt: skip
+        tried = []
+        for place in places:
+            worlds = [TableWorld.of(self._family, place, z) for z in _ZS]
+            tried.append([min(field.started(worlds), key=lambda each: each[1]) for field in self._fields])
         best = min(tried, key=lambda each: sum(cost for _, cost in each))
         at = self._prior.copy()
         at[0] = best[0][0].shared[0]
@@ -285,7 +287,7 @@ def _followed(field: PressField, before: PressField, state: State) -> Array:
     """Radii of a press that has gone on since ``before``."""
     known, new = np.interp(field.frames, before.frames, state.radius_mm), field.frames > before.frames[-1]
     if new.any():
-        begun, _ = field.started(float(state.shared[0]), float(state.own[0]), known[-1])
+        begun, _ = field.started([TableWorld.of(field.family, float(state.shared[0]), float(state.own[0]), known[-1])])[0]
         known[new] = begun.radius_mm[new]
     return known
 
