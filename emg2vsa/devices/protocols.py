@@ -55,10 +55,23 @@ class ForceSample:
         self, time_s: float, force_n: Iterable[float], torque_nm: Iterable[float], status: SensorStatus = _NO_FAULT,
         sequence: int | None = None,
     ) -> None:  # fmt: skip
-        fx, fy, fz = map(float, force_n)
-        tx, ty, tz = map(float, torque_nm)
+        self._take(time_s, (*map(float, force_n), *map(float, torque_nm)), status, sequence)
+
+    @classmethod
+    def of_loads(
+        cls, time_s: float, loads: tuple[float, ...], status: SensorStatus, sequence: int | None
+    ) -> ForceSample:
+        """Of six plain numbers."""
+        sample = cls.__new__(cls)
+        sample._take(time_s, loads, status, sequence)
+        return sample
+
+    def _take(
+        self, time_s: float, loads: tuple[float, ...], status: SensorStatus, sequence: int | None
+    ) -> None:
+        fx, fy, fz, tx, ty, tz = loads
         self.__dict__.update(  # a frozen dataclass
-            time_s=time_s, loads=(fx, fy, fz, tx, ty, tz), status=status, sequence=sequence,
+            time_s=time_s, loads=loads, status=status, sequence=sequence,
             size_n=math.sqrt(fx * fx + fy * fy + fz * fz), torque_size_nm=math.sqrt(tx * tx + ty * ty + tz * tz),
         )  # fmt: skip
 

@@ -135,7 +135,7 @@ class NetFt:
 
     def _sample(self, record: Record, time_s: float) -> ForceSample:
         loads = tuple(map(mul, record.counts, self._scale))
-        return ForceSample(time_s, loads[:3], loads[3:], self._status(record.status), record.ft_sequence)
+        return ForceSample.of_loads(time_s, loads, self._status(record.status), record.ft_sequence)
 
     def _forget(self) -> None:
         self._records = self._missing = self._late = self._duplicated = self._refused = 0

@@ -50,8 +50,8 @@ class Ticks(NamedTuple):
 
     def measurements(self) -> Measurements:
         """The same in degrees."""
-        motor_1, motor_2, shaft = (ticks * DEG_PER_TICK for ticks in self)
-        return Measurements((motor_1, motor_2), shaft)
+        motor_1, motor_2, shaft = self
+        return Measurements((motor_1 * DEG_PER_TICK, motor_2 * DEG_PER_TICK), shaft * DEG_PER_TICK)
 
 
 def to_ticks(angle_deg: float) -> int:

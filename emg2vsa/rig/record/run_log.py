@@ -62,6 +62,7 @@ _OF_FORCE = _FIELDS[_FIELDS.index("fx_n") :]
 _KNOWN = (LogColumns(), LOG_COLUMNS)
 """Columns of logs that can be read: of every actuator, and of a qbmove."""
 _SHAFTS = {columns.names[4]: columns.per_degree for columns in _KNOWN}
+_NONE = None, None
 _UNSEEN: tuple[tuple[float, ...], None] = (), None
 _INTEGERS = {"repetition", "frame_index", "force_status", "force_sequence"}
 
@@ -91,8 +92,7 @@ class RunLog:
 
     def __init__(self, path: Path, columns: LogColumns, writer: Writer = AT_ONCE) -> None:
         self.path, self.rows, self._columns = path, 0, columns
-        _, per_degree, per_preset, per_ampere, _ = columns
-        self._scales = per_degree, per_preset, per_degree, per_degree, per_degree, per_ampere, per_ampere
+        self._as_written: Callable[[float], float | int] = round if columns.whole else float
         self._file = AppendFile(path, writer)
         self._file.append((",".join(header_of(columns)) + "\n").encode())
 
@@ -107,12 +107,18 @@ class RunLog:
         self._file.close()
 
     def _of_actuator(self, row: Row) -> tuple[float | int | None, ...]:
+        (_, per_degree, per_preset, per_ampere, _), as_written = self._columns, self._as_written
         motors_deg, shaft_deg = row.at or _UNSEEN
-        values = (row.position_deg, row.preset, *(*motors_deg, None, None)[:2], shaft_deg,
-                  *(*row.currents_a, None, None)[:2])  # fmt: skip
-        as_written: Callable[[float], float | int] = round if self._columns.whole else float
-        return tuple([None if value is None else as_written(value * scale)
-                      for value, scale in zip(values, self._scales, strict=True)])  # fmt: skip
+        position_deg, preset = row.position_deg, row.preset
+        motors = [as_written(motor_deg * per_degree) for motor_deg in motors_deg[:2]]
+        currents = [as_written(current_a * per_ampere) for current_a in row.currents_a[:2]]
+        return (
+            None if position_deg is None else as_written(position_deg * per_degree),
+            None if preset is None else as_written(preset * per_preset),
+            *motors, *_NONE[len(motors) :],
+            None if shaft_deg is None else as_written(shaft_deg * per_degree),
+            *currents, *_NONE[len(currents) :],
+        )  # fmt: skip
 
 
 def loads_of(sample: ForceSample) -> tuple[Any, ...]:

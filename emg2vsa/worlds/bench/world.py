@@ -98,6 +98,7 @@ _GROWING = 0.1
 "Of the time that the motors have stood still: so long may a step become, as a contact then creeps ever more slowly."
 LOADING_STEP_N = 0.02
 "From point to point of the loadings that are kept."
+_NO_FORCE = (0.0, 0.0, 0.0)
 CLEAR_MM = 1.0
 """A probe so far off the specimen has ended its press: nobody asks for times in contact any more."""
 
@@ -156,7 +157,8 @@ class World:
 
     def forces_n(self, times_s: Sequence[float]) -> list[Force]:
         """Force, N, at each of several times, s, as plain numbers: three at a time are too few for arrays to pay."""
-        return [self._probe.force_n(self.touch(time_s)) for time_s in times_s]
+        force_n = self._probe.force_n
+        return [_NO_FORCE if (touch := self.touch(time_s)) is APART else force_n(touch) for time_s in times_s]
 
     def normal_force_n(self, time_s: float) -> float:
         """Force along the normal of the surface, N."""

@@ -104,11 +104,13 @@ class EmulatedCamera:
         self._started_s = self._newest_s = 0.0
         self._exposed = self._missing = 0
         self._arrives_s: float | None = None
+        self._next_s = 0.0
+        "Before then no frame comes."
 
     def start(self) -> None:
         """Begin; the first frame is taken now."""
         self._started_s = self._newest_s = self._clock.now_s()
-        self._exposed = self._missing = 0
+        self._exposed, self._missing, self._next_s = 0, 0, 0.0
 
     def frames(self) -> list[Frame]:
         """Frames since the last call, oldest first. DeviceError when there was none for too long."""
@@ -125,12 +127,17 @@ class EmulatedCamera:
 
     def exposed(self) -> list[Frame]:
         """Frames since the last call, oldest first, if any."""
-        now_s = self._clock.now_s()
+        by_s = self._clock.now_s() + 1e-9
         frames: list[Frame] = []
-        while (time_s := self._started_s + self._exposed / RATE_HZ) <= now_s + 1e-9:
+        while self._next_s <= by_s:
+            time_s = self._started_s + self._exposed / RATE_HZ
+            if time_s > by_s:
+                self._next_s = time_s
+                break
             if self._arrives_s is None:
                 self._arrives_s = self._arrival_s(time_s)
-            if (arrives_s := self._arrives_s) > now_s + 1e-9:
+            if (arrives_s := self._arrives_s) > by_s:
+                self._next_s = arrives_s
                 break
             if self._is_lost():
                 self._missing += 1

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import cast
 
 import cv2
 import numpy as np
@@ -201,11 +202,9 @@ def exposed(
 ) -> NDArray[np.uint8]:  # fmt: skip
     """(H, W) uint8 frame of what was `drawn`, which stays as it is. ``room`` : (H, W) to work in, as new memory takes
     as long as the sums."""
-    room = np.empty_like(grey) if room is None else room
-    if noise_grey > 0 and rng is not None:
-        grey = np.add(grey, read_noise(grey.shape, rng, noise_grey, room), out=room)
-    np.rint(grey, out=room)
-    return np.clip(room, 0, 255, out=room).astype(np.uint8)
+    noise = 0.0 if noise_grey <= 0 or rng is None else read_noise(grey.shape, rng, noise_grey, room)
+    # the nearest whole grey level, half way the even one, within 0 and 255
+    return cast(NDArray[np.uint8], cv2.add(grey, noise, dtype=cv2.CV_8U))
 
 
 def _add_pins(
@@ -213,9 +212,11 @@ def _add_pins(
 ) -> None:
     """Add each pin: a disc with a soft edge, 1/2 at its radius."""
     corner, dx, dy = _windows(at_px, skin.pin_radius_px + EDGE_REACH * skin.edge_px)
-    distance = np.sqrt(dy[:, :, None] ** 2 + dx[:, None, :] ** 2)
-    steep = np.float32(EDGE_SLOPE / skin.edge_px)
-    spots = np.tanh((np.float32(skin.pin_radius_px) - distance) * steep)
+    # all in one piece of memory, as new memory takes as long as the sums
+    spots = np.add((dy * dy)[:, :, None], (dx * dx)[:, None, :])
+    np.subtract(np.float32(skin.pin_radius_px), np.sqrt(spots, out=spots), out=spots)
+    spots *= np.float32(EDGE_SLOPE / skin.edge_px)
+    np.tanh(spots, out=spots)
     spots += 1
     spots *= (brightness / 2)[:, None, None]
     _add(image, corner, spots)
@@ -262,8 +263,8 @@ def read_noise(
     size = math.prod(shape)
     words = rng.integers(2**64, size=-(-size * _BITS // 64), dtype=np.uint64).astype("<u8", copy=False)
     out = np.empty(shape, np.float32) if out is None else out
-    # every word is a place of the table: a mode other than "raise" writes without another copy
-    return _table(sd).take(words.view("<u2")[:size].reshape(shape), out=out, mode="clip")
+    # every word is a place of the table: a mode other than "raise" writes without another copy, and "wrap" the fastest
+    return _table(sd).take(words.view("<u2")[:size].reshape(shape), out=out, mode="wrap")
 
 
 @lru_cache(maxsize=8)

@@ -36,6 +36,7 @@ DONE = 1
 
 BROADCAST_ID = 0
 LEAST_LENGTH = 2
+_TWO_WORDS = struct.Struct(">Bhh")
 _ID, _LENGTH, _COMMAND = 2, 3, 4
 """Where these stand in a frame."""
 
@@ -120,6 +121,10 @@ class QbmoveFirmware:
             Command.GET_MEASUREMENTS: self._measured,
             Command.GET_CURRENTS: self._loop.motors.currents_ma,
         }
+        self._told: dict[Command, Callable[[int, int], None]] = {
+            Command.SET_INPUTS: self._set_inputs,
+            Command.SET_POS_STIFF: self._set_position_stiffness,
+        }
         self._handlers = self._commands()
         self._advanced_s: float | None = None
         self._start()
@@ -138,7 +143,7 @@ class QbmoveFirmware:
     def ask(self, command: Command) -> tuple[int, ...]:
         """The words that answer GET_MEASUREMENTS or GET_CURRENTS, as if a frame had come, for who needs no bytes."""
         self._hear()
-        return tuple(map(_word, self._asked[command]()))
+        return tuple([_word(value) for value in self._asked[command]()])
 
     def ask_active(self) -> int:
         """What answers GET_ACTIVATE, likewise."""
@@ -148,8 +153,8 @@ class QbmoveFirmware:
     def tell(self, command: Command, first: int, second: int) -> None:
         """SET_POS_STIFF or SET_INPUTS with two words, as if a frame had come."""
         self._hear()
-        struct.pack_into(">Bhh", self._buffer, 0, command, first, second)
-        self._handlers[command]()
+        _TWO_WORDS.pack_into(self._buffer, 0, command, first, second)
+        self._told[command](first, second)
 
     def _hear(self) -> None:
         if self._clock.now_s() != self._advanced_s:
@@ -205,9 +210,8 @@ class QbmoveFirmware:
             Command.GET_PARAM_LIST: self._parameter,
             Command.ACTIVATE: self._activate,
             Command.GET_ACTIVATE: lambda: self._reply(Command.GET_ACTIVATE, bytes((self._loop.current.on,))),
-            Command.SET_INPUTS: self._set_inputs,
+            **{command: partial(self._hear_words, command) for command in self._told},
             **{command: partial(self._answer_words, command) for command in self._asked},
-            Command.SET_POS_STIFF: self._set_position_stiffness,
             Command.SET_WATCHDOG: self._set_watchdog,
         }
 
@@ -217,6 +221,11 @@ class QbmoveFirmware:
     def _reply(self, command: int, payload: bytes) -> bytes:
         # listens to the stored id, answers with the one that has been set
         return frame(self._shadow.device_id, command, payload)
+
+    def _hear_words(self, command: Command) -> bytes:
+        first, second = self._words(2)
+        self._told[command](first, second)
+        return b""
 
     def _answer_words(self, command: Command) -> bytes:
         values = self._asked[command]()
@@ -228,24 +237,21 @@ class QbmoveFirmware:
     def _ping(self) -> bytes:
         return self._reply(Command.PING, self._number)
 
-    def _measured(self) -> list[int]:
-        ticks = self._loop.motors.measured(self._shadow)
-        return [value >> bits for value, bits in zip(ticks, self._shadow.resolutions, strict=True)]
+    def _measured(self) -> tuple[int, int, int]:
+        (first, second, shaft), bits = self._loop.motors.measured(self._shadow), self._shadow.resolutions
+        return first >> bits[0], second >> bits[1], shaft >> bits[2]
 
-    def _set_inputs(self) -> bytes:
-        ticks = [word << bits for word, bits in zip(self._words(2), self._shadow.resolutions, strict=False)]
+    def _set_inputs(self, first: int, second: int) -> None:
+        limited, bits = self._current.limited, self._shadow.resolutions
         sign = -1 if self._switches.counts_backwards else 1
-        first, second = (sign * self._current.limited(sign * value, motor) for motor, value in enumerate(ticks))
-        self._loop.command((first, second))
-        return b""
+        ticks = sign * limited(sign * (first << bits[0]), 0), sign * limited(sign * (second << bits[1]), 1)
+        self._loop.command(ticks)
 
-    def _set_position_stiffness(self) -> bytes:
-        position, stiffness = self._words(2)
+    def _set_position_stiffness(self, position: int, stiffness: int) -> None:
         low, high, most = self._current.limits[0], self._current.limits[1], self._current.max_stiffness
         at = max(min(position << self._shadow.resolutions[0], high - most), low + most)
         preset = _preset(most, stiffness)
         self._loop.command((at + preset, at - preset))
-        return b""
 
     def _activate(self) -> bytes:
         measured = self._loop.motors.measured(self._shadow)

@@ -84,7 +84,7 @@ class Motors:
     def freeze(self, sensor: int, frozen: bool) -> None:
         """Encoder 0, 1 or 2, the shaft's, stays where it is, or goes on."""
         if frozen:
-            self.faults.frozen.setdefault(sensor, self._raw(sensor))
+            self.faults.frozen.setdefault(sensor, self._raw()[sensor])
         else:
             self.faults.frozen.pop(sensor, None)
 
@@ -98,7 +98,14 @@ class Motors:
 
     def measured(self, memory: Memory) -> tuple[int, int, int]:
         """Encoder readings, internal ticks."""
-        return self._reading(0, memory), self._reading(1, memory), self._reading(_SHAFT, memory)
+        places = zip(
+            self._raw(), self.faults.jumped_ticks, memory.offsets, self._turns_lost, memory.multipliers, strict=True
+        )
+        first, second, shaft = [
+            int((raw + jumped * INTERNAL_PER_TICK + offset - turns * INTERNAL_PER_TURN) * multiplier)
+            for raw, jumped, offset, turns, multiplier in places
+        ]
+        return first, second, shaft
 
     def forget_turns(self, memory: Memory) -> None:
         """At a start or new zero: an encoder knows its place only within a turn."""
@@ -146,29 +153,27 @@ class Motors:
         return self._current_ma(0), self._current_ma(1)
 
     def _current_ma(self, motor: int) -> int:
-        pwm, current_ma = self.pwm[motor], 0.0
-        if pwm and not self.faults.unsupplied:
-            against_nm = math.copysign(1.0, pwm) * self.loads_nm[motor]
-            stall_ma = math.copysign(self._stall_ma, pwm)
-            current_ma = stall_ma * max(0.0, against_nm) / self._stall_nm + IDLE_CURRENT_MA * pwm / PWM_MOST
-            if self.faults.jammed or against_nm >= self._most_nm:
-                current_ma = stall_ma * abs(pwm) / PWM_MOST
-        return int(current_ma + self.faults.current_ma)
+        pwm, faults = self.pwm[motor], self.faults
+        if not pwm or faults.unsupplied:
+            return int(faults.current_ma)
+        way = 1.0 if pwm > 0 else -1.0
+        against_nm, stall_ma = way * self.loads_nm[motor], way * self._stall_ma
+        current_ma = stall_ma * max(0.0, against_nm) / self._stall_nm + IDLE_CURRENT_MA * pwm / PWM_MOST
+        if faults.jammed or against_nm >= self._most_nm:
+            current_ma = stall_ma * abs(pwm) / PWM_MOST
+        return int(current_ma + faults.current_ma)
 
     @property
     def _most_nm(self) -> float:
         weak_nm = self.faults.torque_nm
         return self._stall_nm if weak_nm is None else weak_nm
 
-    def _raw(self, sensor: int) -> int:
-        if sensor in self.faults.frozen:
-            return self.faults.frozen[sensor]
-        return math.floor(self._at[sensor] / ENCODER_STEP) * ENCODER_STEP
-
-    def _reading(self, sensor: int, memory: Memory) -> int:
-        jumped = self.faults.jumped_ticks[sensor] * INTERNAL_PER_TICK
-        raw = self._raw(sensor) + jumped + memory.offsets[sensor]
-        return int((raw - self._turns_lost[sensor] * INTERNAL_PER_TURN) * memory.multipliers[sensor])
+    def _raw(self) -> list[int]:
+        """What the three encoders read."""
+        raw = [math.floor(at / ENCODER_STEP) * ENCODER_STEP for at in self._at]
+        for sensor, frozen in self.faults.frozen.items():
+            raw[sensor] = frozen
+        return raw
 
 
 class References(NamedTuple):
@@ -251,5 +256,7 @@ class Loop:
         """So many turns: the motors follow the newest references from the second on."""
         on = self.current.on if self.bridge_on is None else self.bridge_on
         powered = (on > 0, on > 0) if self._switches.both_motors_or_none else (bool(on & 1), bool(on & 2))
-        self.motors.run([(1, self.current.ticks), (turns - 1, self.new.ticks)], current, shadow, powered)
+        before, ticks = self.current.ticks, self.new.ticks
+        plan = [(turns, ticks)] if before == ticks else [(1, before), (turns - 1, ticks)]
+        self.motors.run(plan, current, shadow, powered)
         self.old, self.current = self.current if turns == 1 else self.new, self.new
