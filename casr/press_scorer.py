@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
-from functools import cached_property, lru_cache
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from casr.camera import Camera, undistorted
-from casr.contact_area import InitialArea, initial_area
+from casr.contact_area import FirstContact, InitialArea, area_of
 from casr.contact_area.follow import FrontSoFar, contact_front
 from casr.contact_area.front import ContactFront
 from casr.contact_area.library_front import worlds_for
@@ -57,7 +57,7 @@ class PressScorer:
     def __init__(
         self, camera: Camera | None, settings: ScoreSettings, *, follow_pins: bool = True, doubt_pins: bool = True
     ) -> None:
-        self._camera, self._settings = camera, settings
+        self._camera, self.settings = camera, settings
         self._follow_pins, self._doubt_pins = follow_pins, doubt_pins
         # a region that is given is meant whole; the core is for a contact edge, where the flow has a kink
         flow = replace(settings.flow, core_fraction=1.0) if isinstance(settings.region, Region) else settings.flow
@@ -65,23 +65,27 @@ class PressScorer:
         self._flow = FlowTracker(flow, whole_image=self._whole_image)
         self._steps: list[FlowStep] = []
         self.log_growth = self._divergence = 0.0
+        self.first_contact: FirstContact | None = None
+        "What areas of the first contact follow from; None of a region that is given."
         self.pins_px: list[Array] = []
         self.good: list[int] = []
         self.moved_px: list[float] = []
         self.same: list[bool] = []
         self._n_taken = self._n_bad = 0
 
-    def rest(self, image: NDArray[Any]) -> PinTracker:
-        """Take the static frame (H, W) or (H, W, 3); what follows its pins to frames that are not scored.
+    def rest(self, image: NDArray[Any], pins: PinsAtRest | None = None) -> PinTracker:
+        """Take the static frame (H, W) or (H, W, 3); what follows its pins to frames that are not scored. pins : in it,
+        if they are known.
 
         PinsError : too few pins. ImageError : not an image.
         """
         self._last = image = np.array(image)
-        self._at_rest, self._rest = _started(image.tobytes(), image.shape, image.dtype.str, self._settings.flow.pins)
+        self._at_rest, self._rest = pins or pins_at_rest(image, self.settings.flow.pins)
         return copy(self._at_rest)
 
-    def touch(self, image: NDArray[Any]) -> bool:
+    def touch(self, image: NDArray[Any], contact: FirstContact | None = None) -> bool:
         """Initial area and contact region from the static frame and the frame of first contact, (H, W) or (H, W, 3).
+        contact : of these two frames, if it is known.
 
         Returns False if this frame is bad: touch again, with the next one.
         NoContactError : no pin moved, and no region is given.
@@ -90,10 +94,11 @@ class PressScorer:
         """
         self._tracker = copy(self._at_rest)
         rest_px = self._rest.centroids_px
-        doubts = pins_in_doubt(rest_px, self._settings.flow.pins.expect_pins) if self._doubt_pins else ()
+        doubts = pins_in_doubt(rest_px, self.settings.flow.pins.expect_pins) if self._doubt_pins else ()
         self._contact_px = self._step(image)
         if not self._is_good(self._contact_px):
             return False
+        self.first_contact = contact
         self._initial, self._region, notes = self._contact()
         self._notes = (*doubts, *self._tracker.notes, *notes)
         self._flow.start(image, self._region, self._contact_px)
@@ -166,7 +171,7 @@ class PressScorer:
         Equation (1) of the paper, or its consistent form."""
         force_n = None if force_n is None else self._of_good(force_n)
         steps = self._steps if force_n is None else self._steps[: len(force_n) - 1]
-        law = self._settings.area_law
+        law = self.settings.area_law
         growth = [step.log_growth if law == "ode" else step.divergence for step in steps]
         return contact_areas(self._first_area, growth, force_n, law=law)
 
@@ -183,7 +188,7 @@ class PressScorer:
     @property
     def _rule(self) -> dict[str, Any]:
         """Rule of ``spread_rate``."""
-        s = self._settings
+        s = self.settings
         return {"rule": s.rate_rule, "area_unit": self.area_unit, "window_n": s.window_n}
 
     @cached_property
@@ -191,7 +196,7 @@ class PressScorer:
         return FrontSoFar(self._camera, self._worlds())
 
     def _worlds(self) -> Library:
-        return worlds_for(self._camera, self._settings.domes, self._settings.specimen_height_mm)
+        return worlds_for(self._camera, self.settings.domes, self.settings.specimen_height_mm)
 
     @property
     def _first_area(self) -> float:
@@ -212,7 +217,7 @@ class PressScorer:
         Skin: equations (1) and (2) of the paper, by law and rule of the settings.
         """
         of_skin = self._of_skin(phase, force_n)
-        frames, skin, by_front = of_skin["frames"], of_skin["skin"], self._settings.quantity == "front"
+        frames, skin, by_front = of_skin["frames"], of_skin["skin"], self.settings.quantity == "front"
         if not by_front:
             self._check(skin.area)
         pins_px = np.array(self.pins_px[: len(frames)])
@@ -220,7 +225,7 @@ class PressScorer:
         doubt, spread = self._front_spread(front, force_n, force_zero_sd_n)
         notes = (*self._notes_on(phase, frames), *(front.notes if by_front else ()))
         return Score(
-            **of_skin, name=name, settings=self._settings,
+            **of_skin, name=name, settings=self.settings,
             log_growth=np.array([step.log_growth for step in self._steps[: len(frames) - 1]]), pins_px=pins_px,
             front=front, front_doubt=doubt, front_spread=spread,
             notes=_once(*notes, *_notes_of(skin, spread if by_front else None)),
@@ -263,11 +268,11 @@ class PressScorer:
 
     def _check(self, area: Array) -> None:
         """AreaError where an area of the skin is above that of the pin array; a circle is the array's own."""
-        if self._settings.area_rule == "circle":
+        if self.settings.area_rule == "circle":
             return
         largest = int(np.argmax(area))
         pins_px = undistorted(self.pins_px[largest], self._camera)
-        law = "equation (1) as printed" if self._settings.area_law == "paper" else "its growth"
+        law = "equation (1) as printed" if self.settings.area_law == "paper" else "its growth"
         area_px2 = float(area[largest]) * self._initial.area_px2 / self._first_area
         check_area(area_px2, pins_px, f"area of the skin by {law}", self._camera)
 
@@ -295,7 +300,7 @@ class PressScorer:
 
         force_n : (T,) of all frames since first contact, N. PinsError : fewer than seven pins in some frame.
         """
-        if self._settings.quantity == "skin":
+        if self.settings.quantity == "skin":
             return self.areas(force_n)
         if len(self.good) < FEWEST_FRAMES:  # so few tell no front
             return np.full(len(self.good), np.nan)
@@ -307,7 +312,7 @@ class PressScorer:
         """What the quantity says after the last ``follow``; None where no rate is known yet. Forces (T,) of ``follow``,
         N."""
         try:
-            if self._settings.quantity == "skin":
+            if self.settings.quantity == "skin":
                 rate = self.rate(force_n)
                 return Spread("skin", self.areas(force_n), rate, skin_interval(rate, self._initial.relative_sd), "")
             if (front := self._front_so_far.front) is None:
@@ -319,7 +324,7 @@ class PressScorer:
 
     def settle(self) -> None:
         """Work that ``so_far`` leaves for the time in which no frame waits."""
-        if self._settings.quantity == "front" and len(self.good) > 1:
+        if self.settings.quantity == "front" and len(self.good) > 1:
             self._front_so_far.settle(self._rest.centroids_px, np.array(self.pins_px))
 
     def _contact(self) -> tuple[InitialArea, Region, tuple[str, ...]]:
@@ -328,32 +333,30 @@ class PressScorer:
         The region is the edge of the contact whatever the rule of A_c0: pins that moved but lie outside come closer
         together as the contact grows, and a region that holds them grows too little.
         """
-        settings = self._settings
+        settings = self.settings
         if isinstance(settings.region, Region):
             need_pins_inside(settings.region, self._contact_px)
             return self._given(settings.region), settings.region, ()
-        asked = self._area_by(settings.area_rule)
-        outline = asked if settings.area_rule == "edge" else self._area_by("edge")
+        contact = self.first_contact = self.first_contact or FirstContact.of(self._rest.centroids_px, self._contact_px)
+        asked = self._area_by(settings.area_rule, contact)
+        outline = asked if settings.area_rule == "edge" else self._area_by("edge", contact)
         notes = asked.notes if outline.rule == "edge" else (*asked.notes, *outline.notes)
         return asked, Region(outline.polygon_px), notes
 
-    def _area_by(self, rule: str) -> InitialArea:
+    def _area_by(self, rule: str, contact: FirstContact) -> InitialArea:
         """Where the result is the front, skin that has hardly moved at first contact refuses no press."""
-        threshold_px = self._settings.threshold_px
+        threshold_px = self.settings.threshold_px
         try:
-            return self._area_over(threshold_px, rule)
+            return area_of(contact, self._camera, rule, threshold_px)
         except NoContactError:
             farthest_px = float(np.nanmax(np.hypot(*(self._contact_px - self._rest.centroids_px).T)))
-            if self._settings.quantity != "front" or farthest_px < LEAST_MOVED_PX:
+            if self.settings.quantity != "front" or farthest_px < LEAST_MOVED_PX:
                 raise
-        found = self._area_over(farthest_px / 2, rule)
+        found = area_of(contact, self._camera, rule, farthest_px / 2)
         said = (
             f"skin: no pin moved {threshold_px:g} px at first contact; those that moved {farthest_px / 2:.2g} px count"
         )
         return replace(found, notes=(*found.notes, said))
-
-    def _area_over(self, threshold_px: float, rule: str) -> InitialArea:
-        return initial_area(self._rest, self._contact_px, camera=self._camera, rule=rule, threshold_px=threshold_px)
 
     def _given(self, region: Region) -> InitialArea:
         area_px2 = _flat(region, self._camera).area_px2
@@ -365,13 +368,14 @@ class PressScorer:
         )  # fmt: skip
 
 
-@lru_cache(maxsize=2)  # every algorithm that scores a press begins with its rest frame
-def _started(
-    pixels: bytes, shape: tuple[int, ...], dtype: str, settings: PinSettings | None
-) -> tuple[PinTracker, Pins]:
-    """What follows pins from this image on, which is to be copied, and the pins in it."""
+PinsAtRest = tuple[PinTracker, Pins]
+"""What follows pins from a static frame on, which is to be copied, and the pins in it."""
+
+
+def pins_at_rest(image: NDArray[Any], settings: PinSettings | None) -> PinsAtRest:
+    """PinsError, ImageError as ``PinTracker.start``."""
     tracker = PinTracker(settings)
-    return tracker, tracker.start(np.frombuffer(pixels, dtype).reshape(shape))
+    return tracker, tracker.start(image)
 
 
 def _flat(region: Region, camera: Camera | None) -> Region:

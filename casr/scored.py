@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import platform
 from dataclasses import dataclass, field, fields, is_dataclass
+from functools import cached_property
 from typing import Any
 
 import cv2
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr import __version__
-from casr.contact_area import RULES, InitialArea
+from casr.contact_area import RULES, FirstContact, InitialArea
 from casr.contact_area.front import ContactFront
 from casr.errors import SettingError
 from casr.flow.estimate import FlowSettings
@@ -291,6 +292,11 @@ class SkinScore:
     regions: tuple[NDArray[np.float64], ...]
     notes: tuple[str, ...]
     force_zero: ForceZero | None = None
+
+    @cached_property
+    def first_contact(self) -> FirstContact:
+        """What areas by other rules follow from."""
+        return FirstContact.of(self.rest.centroids_px, self.contact_px)
 
 
 _OF_PINS = ("pins_px", "inside")

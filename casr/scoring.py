@@ -4,20 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from casr.contact_area import FirstContact
 from casr.doubts import doubts_on_motion, doubts_on_score, note_on_repeats
 from casr.errors import CasrError, NoContactError, PinsError, said_of
 from casr.frames import CameraLag, FrameSequence, LoadingPhase, loading_phase
 from casr.pins import PinTracker
 from casr.press_forces import PressForces, lag_of, note_on_shift, notes_on_lag, pins_before, press_forces, shifted
-from casr.press_scorer import PressScorer
+from casr.press_scorer import PinsAtRest, PressScorer, pins_at_rest
 from casr.scored import Score, ScoreSettings, SkinScore
 from casr.skin_motion import SeenLoading
 
 __all__ = ["Score", "ScoreSettings", "SkinScore", "score", "score_skin"]
+
+
+class Begun:
+    """Pins at rest and first contacts of one press by the numbers of their frames, found once for all that score it by
+    the same settings of pins."""
+
+    def __init__(self) -> None:
+        self._at_rest: dict[int, PinsAtRest] = {}
+        self._contacts: dict[tuple[int, int], FirstContact] = {}
+
+    def rest(self, scorer: PressScorer, index: int, image: NDArray[np.generic]) -> PinTracker:
+        """``PressScorer.rest``."""
+        if index not in self._at_rest:
+            self._at_rest[index] = pins_at_rest(image, scorer.settings.flow.pins)
+        return scorer.rest(image, self._at_rest[index])
+
+    def touch(self, scorer: PressScorer, rest: int, index: int, image: NDArray[np.generic]) -> bool:
+        """``PressScorer.touch``."""
+        begun = scorer.touch(image, self._contacts.get((rest, index)))
+        if begun and scorer.first_contact is not None:
+            self._contacts[rest, index] = scorer.first_contact
+        return begun
 
 
 NO_TRAVEL = "travel_mm is not used: too few rows have it in the loading phase, or it does not grow with the force"
@@ -37,8 +61,12 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
     PinsError : too few pins to start from, or in three frames in a row. SettingError : the region lies outside the
         image or holds fewer than three pins.
     """
-    settings = settings or ScoreSettings()
-    scored = _by_pins(sequence, settings) if sequence.force_n is None else _by_force(sequence, settings)
+    return score_press(sequence, settings or ScoreSettings(), Begun())
+
+
+def score_press(sequence: FrameSequence, settings: ScoreSettings, known: Begun) -> Score:
+    """``score`` of a press that is scored in other ways, too."""
+    scored = _by_pins(sequence, settings) if sequence.force_n is None else _by_force(sequence, settings, known)
     notes, mm_per_n = dict.fromkeys((*sequence.notes, *scored.notes)), None
     if sequence.travel is not None:
         zero_n = scored.force_zero.level_n if scored.force_zero and scored.force_zero.taken_off else 0.0
@@ -51,13 +79,14 @@ def score(sequence: FrameSequence, settings: ScoreSettings | None = None) -> Sco
 
 
 def score_skin(
-    sequence: FrameSequence, settings: ScoreSettings, bad: Collection[int] = (), *, doubt_pins: bool = True
-) -> SkinScore:
+    sequence: FrameSequence, settings: ScoreSettings, bad: Collection[int] = (), *, doubt_pins: bool = True,
+    known: Begun | None = None,
+) -> SkinScore:  # fmt: skip
     """Score the skin of the first contact of a press with a force log, and nothing else.
 
     It is what ``score`` says of the skin, for another engine, law or force of the same press, and takes less than half
     of the time: dense flow needs the pins of two frames only. bad : frames that ``score`` skipped.
-    doubt_pins : say what is odd about the pins at rest, too.
+    doubt_pins : say what is odd about the pins at rest, too. known : of this press.
 
     As ``score``, but areas above that of the pin array are not looked for.
     """
@@ -68,26 +97,27 @@ def score_skin(
         follow_pins = settings.flow.engine == "pin-affine"
         scorer = PressScorer(sequence.camera, settings, follow_pins=follow_pins, doubt_pins=doubt_pins)
         begun = False
-        scorer.rest(sequence[phase.rest])
+        known = known or Begun()
+        known.rest(scorer, phase.rest, sequence[phase.rest])
         for index in phase.frames.tolist():
             if begun:
                 scorer.load(sequence[index])
             else:
-                begun = scorer.touch(sequence[index])
+                begun = known.touch(scorer, phase.rest, index, sequence[index])
         scored = scorer.skin(phase, forces.force_n[phase.frames])
     return replace(scored, notes=(*forces.notes, *scored.notes), force_zero=forces.zero)
 
 
-def _by_force(sequence: FrameSequence, settings: ScoreSettings) -> Score:
+def _by_force(sequence: FrameSequence, settings: ScoreSettings, known: Begun) -> Score:
     with said_of(sequence.name):
         forces = press_forces(sequence, settings)
-    phase, scorer, lag = _followed(sequence, forces, settings)
+    phase, scorer, lag = _followed(sequence, forces, settings, known)
     told: tuple[str, ...] = ()
     unasked = settings.camera_lag_s is None and not settings.correct_lag
     if lag is not None and lag.lag_s is not None and lag.sure and unasked:
         with said_of(sequence.name):
             forces, told = shifted(sequence, settings, lag.lag_s), (note_on_shift(lag),)
-        phase, scorer, lag = _followed(sequence, forces, settings)
+        phase, scorer, lag = _followed(sequence, forces, settings, known)
     with said_of(sequence.name):
         force_n = forces.force_n[phase.frames]
         zero_sd_n = forces.zero.sd_n if forces.zero and forces.zero.taken_off else None
@@ -99,20 +129,20 @@ def _by_force(sequence: FrameSequence, settings: ScoreSettings) -> Score:
 
 
 def _followed(
-    sequence: FrameSequence, forces: PressForces, settings: ScoreSettings
+    sequence: FrameSequence, forces: PressForces, settings: ScoreSettings, known: Begun
 ) -> tuple[LoadingPhase, PressScorer, CameraLag | None]:
     """The loading by these forces, what has seen its frames, and the lag that they show."""
     scorer, begun = PressScorer(sequence.camera, settings), False
     with said_of(sequence.name):
         phase = loading_phase(forces.force_n, start_n=settings.force_start_n, stop_n=settings.force_stop_n)
-        before, pins_px = pins_before(sequence, phase, scorer.rest)
+        before, pins_px = pins_before(sequence, phase, partial(known.rest, scorer, phase.rest))
     for index in phase.frames.tolist():
         image = sequence[index]
         with said_of(f"{sequence.name}, frame {index}" if begun else sequence.name):
             if begun:
                 scorer.load(image)
             else:
-                begun = scorer.touch(image)
+                begun = known.touch(scorer, phase.rest, index, image)
     frames = [*before, *phase.frames[scorer.good].tolist()]
     return phase, scorer, lag_of(sequence, forces, frames, [*pins_px, *scorer.pins_px], settings.force_start_n)
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -210,20 +209,8 @@ def fit_edge(motion: PinMotion, near: ContactEdge | None = None) -> ContactEdge:
 
     motion : of all pins, moved or not. near : edge of a frame close by, to begin with instead of several sizes.
     """
-    rest, displacement = motion.rest_px, motion.displacement_px
-    return _fitted(
-        rest.tobytes(), displacement.tobytes(), motion.pitch_px, None if near is None else near.parameters.tobytes()
-    )
-
-
-@lru_cache(maxsize=4)  # every algorithm that scores a press asks for the edge of its first contact
-def _fitted(rest_px: bytes, displacement_px: bytes, pitch_px: float, near: bytes | None) -> ContactEdge:
-    """Fits the edge to arrays given as bytes."""
-    rest, displacement = (
-        points[:, 0] + 1j * points[:, 1]
-        for points in (np.frombuffer(each).reshape(-1, 2) for each in (rest_px, displacement_px))
-    )
-    middle = rest.mean()
+    rest, displacement = (points[:, 0] + 1j * points[:, 1] for points in (motion.rest_px, motion.displacement_px))
+    middle, pitch_px = rest.mean(), motion.pitch_px
     rim = np.log(np.abs(rest - middle).max() + pitch_px)
     moved = np.abs(displacement) ** 3
     centre = moved @ rest / moved.sum() if moved.any() else middle
@@ -231,7 +218,7 @@ def _fitted(rest_px: bytes, displacement_px: bytes, pitch_px: float, near: bytes
     if near is None:
         starts = [np.array([centre.real, centre.imag, np.log(n * pitch_px), 0.0, 0.0, rim]) for n in START_PITCHES]
     else:
-        starts = [np.frombuffer(near)]
+        starts = [near.parameters]
     best = field.lowest(starts, ENOUGH_TO_CHOOSE)
     for sizes in (NEXT_SIZES, (0.0,)):
         field = field.trusting(best)

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,6 +57,23 @@ class InitialArea:
         return f"InitialArea({area} by rule {self.rule}, {self.selected.size} pins{notes})"
 
 
+@dataclass(frozen=True, eq=False)
+class FirstContact:
+    """How the pins moved from rest to the first contact, and its edge: found once, whatever rules ask for it."""
+
+    motion: PinMotion
+
+    @classmethod
+    def of(cls, rest_px: NDArray[np.float64], contact_px: NDArray[np.float64]) -> FirstContact:
+        """Of (N, 2) places of pins, NaN where one is lost. PinsError as ``pin_motion``."""
+        return cls(pin_motion(rest_px, contact_px))
+
+    @cached_property
+    def edge(self) -> ContactEdge | None:
+        """None where no pin moved."""
+        return fit_edge(self.motion) if self.motion.displacement_px.any() else None
+
+
 AS_PRINTED = "as-printed"
 """A rule that no score can ask for: its area is that of thousands of hexagons, which no sensor has."""
 MIN_EXPLAINED = 0.7  # noise alone reaches 0.57, presses of a real sensor 0.98
@@ -90,36 +108,41 @@ def initial_area(
     checked, it measures the array. PinsError : too few pins in both frames. SettingError : unknown rule, or a threshold
     not above 0.
     """
+    return area_of(FirstContact.of(rest.centroids_px, contact_px), camera, rule, threshold_px)
+
+
+def area_of(contact: FirstContact, camera: Camera | None, rule: str, threshold_px: float) -> InitialArea:
+    """As ``initial_area``, of a contact whose edge several rules may ask for."""
     if rule not in _RULES:
         raise SettingError("rule", wanted=" or ".join(_RULES), found=repr(rule), do="Choose one of these.")
     if not 0 < threshold_px < np.inf:
         wanted, do = "a distance above 0 px", "The paper uses 2."
         raise SettingError("threshold_px", wanted=wanted, found=repr(threshold_px), do=do)
-    motion = pin_motion(rest.centroids_px, contact_px)
-    found = _RULES[rule](motion, camera, threshold_px)
+    motion, found = contact.motion, _RULES[rule](contact, camera, threshold_px)
     if rule != "circle":  # which is the array itself, and a trifle more than its hull
         pins_px = motion.contact_px if found.rule == "edge" else motion.rest_px  # hexagons are those of the rest frame
         check_area(found.area_px2, undistorted(pins_px, camera), f"initial area by rule {found.rule}", camera)
     return found
 
 
-def edge_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
+def edge_rule(contact: FirstContact, camera: Camera | None, threshold_px: float) -> InitialArea:
     """Ellipse at the contact edge as it lies in the first-contact frame; where the fit is not sound, hexagons.
 
     threshold_px : of the hexagons, px. NoContactError : no pin moved that far.
     """
-    found = _within_edge(motion, camera)
+    found = _within_edge(contact, camera)
     if isinstance(found, InitialArea):
         return found
-    motion = replace(motion, notes=(*motion.notes, f"No contact edge: {found}; hexagons instead."))
-    return hexagon_rule(motion, camera, threshold_px)
+    motion = contact.motion
+    said = (*motion.notes, f"No contact edge: {found}; hexagons instead.")
+    return hexagon_rule(FirstContact(replace(motion, notes=said)), camera, threshold_px)
 
 
-def _within_edge(motion: PinMotion, camera: Camera | None) -> InitialArea | str:
+def _within_edge(contact: FirstContact, camera: Camera | None) -> InitialArea | str:
     """What lies within the edge; where the fit is not sound, why."""
-    if not motion.displacement_px.any():
+    motion, edge = contact.motion, contact.edge
+    if edge is None:
         return "no pin moved"
-    edge = fit_edge(motion)
     if (doubt := _doubt(edge)) is not None:
         return doubt
     region = edge.at_contact(motion)
@@ -139,10 +162,10 @@ def _doubt(edge: ContactEdge) -> str | None:
     return None
 
 
-def circle_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
+def circle_rule(contact: FirstContact, camera: Camera | None, threshold_px: float) -> InitialArea:
     """Circle around the pin nearest the middle of the array through the pin farthest from it: the way before the paper.
     ``threshold_px`` (px) has no part in it."""
-    rest = motion.rest_px
+    motion, rest = contact.motion, contact.motion.rest_px
     centre = rest[np.argmin(((rest - rest.mean(axis=0)) ** 2).sum(axis=1))]
     region = Region.circle(float(centre[0]), float(centre[1]), float(np.hypot(*(rest - centre).T).max()))
     found = _within(region, motion, camera, "circle", np.ones(motion.ids.size, dtype=bool))
@@ -157,11 +180,12 @@ def _within(
     return InitialArea(area_mm2, area_px2, rule, motion.ids[inside], region.polygon_px, motion.notes)
 
 
-def hexagon_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
+def hexagon_rule(contact: FirstContact, camera: Camera | None, threshold_px: float) -> InitialArea:
     """Pins that moved more than ``threshold_px`` and those they enclose, a hexagon each (paper, eq. 3).
 
     NoContactError : no pin moved more than that, px.
     """
+    motion = contact.motion
     moved = motion.distance_px > threshold_px
     if not moved.any():
         raise _none_moved(motion, motion.distance_px, f"{threshold_px:g} px from the rest frame")
@@ -175,9 +199,10 @@ def hexagon_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) 
     return replace(found, notes=found.notes + notes)
 
 
-def paper_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
+def paper_rule(contact: FirstContact, camera: Camera | None, threshold_px: float) -> InitialArea:
     """Algorithm 1 as it must be meant: whole-pixel centroids, each pin against itself in the other frame.
     NoContactError : none moved more than ``threshold_px``."""
+    motion = contact.motion
     moved_px = np.hypot(*(np.trunc(motion.contact_px) - np.trunc(motion.rest_px)).T)
     moved = moved_px > threshold_px
     if not moved.any():
@@ -185,13 +210,14 @@ def paper_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) ->
     return _hexagons(motion, camera, moved, int(moved.sum()), "paper", _most(moved))
 
 
-def printed_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) -> InitialArea:
+def printed_rule(contact: FirstContact, camera: Camera | None, threshold_px: float) -> InitialArea:
     """Algorithm 1 to the letter: whole-pixel centroids, every pin of the first frame against every one of the second.
 
     ``signpin.append`` runs for each pair further apart than the threshold, so a pin counts once for nearly every pin of
     the other frame and a motionless array of N pins has N (N - 1) hexagons.
     NoContactError : no two pins are further apart than the threshold.
     """
+    motion = contact.motion
     first, second = np.trunc(motion.rest_px), np.trunc(motion.contact_px)
     apart_px = np.hypot(*(first[:, None] - second[None]).transpose(2, 0, 1))
     apart = apart_px > threshold_px
@@ -203,7 +229,7 @@ def printed_rule(motion: PinMotion, camera: Camera | None, threshold_px: float) 
     return _hexagons(motion, camera, chosen, int(apart.sum()), AS_PRINTED, _most(chosen))
 
 
-_RULES: dict[str, Callable[[PinMotion, Camera | None, float], InitialArea]] = {
+_RULES: dict[str, Callable[[FirstContact, Camera | None, float], InitialArea]] = {
     "edge": edge_rule, "hexagon": hexagon_rule, "circle": circle_rule, "paper": paper_rule,
     AS_PRINTED: printed_rule,
 }  # fmt: skip

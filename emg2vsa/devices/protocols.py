@@ -66,9 +66,7 @@ class ForceSample:
         sample._take(time_s, loads, status, sequence)
         return sample
 
-    def _take(
-        self, time_s: float, loads: tuple[float, ...], status: SensorStatus, sequence: int | None
-    ) -> None:
+    def _take(self, time_s: float, loads: tuple[float, ...], status: SensorStatus, sequence: int | None) -> None:
         fx, fy, fz, tx, ty, tz = loads
         self.__dict__.update(  # a frozen dataclass
             time_s=time_s, loads=loads, status=status, sequence=sequence,

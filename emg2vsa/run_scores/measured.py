@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, fields, replace
 import numpy as np
 
 from casr.camera import undistorted
-from casr.contact_area import InitialArea, initial_area
+from casr.contact_area import InitialArea, area_of
 from casr.contact_area.motion import array_area_px2
 from casr.doubts import Stretch, stretch_of
 from casr.errors import CasrError
@@ -15,7 +15,7 @@ from casr.flow.estimate import FlowSettings
 from casr.frames import FrameSequence
 from casr.kappa.presses import KappaPress
 from casr.scored import WHOLE_IMAGE, Score, ScoreSettings, SkinScore
-from casr.scoring import score, score_skin
+from casr.scoring import Begun, score_press, score_skin
 from emg2vsa.arrays import Floats
 from emg2vsa.run_scores.domes import NO_DOMES, Domes
 from emg2vsa.run_scores.product import PressPins
@@ -60,10 +60,11 @@ class Measured:
         is_front = settings.algorithm == "front"
         self._by_pins = own if is_front or _growth(own) == _growth(RECIPES["front"]) else RECIPES["front"]
         self._skins: dict[Recipe, SkinScore] = {}
+        self._begun = Begun()
         self._seen: Score | None = None
         try:
             by_skin = own == self._by_pins and not is_front
-            self._seen = score(*self._asked(self._by_pins, "skin" if by_skin else "front"))
+            self._seen = score_press(*self._asked(self._by_pins, "skin" if by_skin else "front"), self._begun)
             self._skins[_growth(self._by_pins)] = _skin_of(self._seen)
         except CasrError:
             if own == self._by_pins:
@@ -170,7 +171,7 @@ class Measured:
         if found.initial.rule == rule:
             return found.initial
         camera, threshold_px = self._frames.camera, self._settings.threshold_px
-        return initial_area(found.rest, found.contact_px, camera=camera, rule=rule, threshold_px=threshold_px)
+        return area_of(found.first_contact, camera, rule, threshold_px)
 
     def _skin_by(self, recipe: Recipe) -> SkinScore:
         key = _growth(recipe)
@@ -178,7 +179,8 @@ class Measured:
             taken = self._seen.frames if self._seen else np.empty(0, dtype=np.intp)
             bad = np.setdiff1d(np.arange(taken[0], taken[-1]), taken) if taken.size else taken
             own = key == _growth(self._settings.recipe)  # of the others nobody reads the notes
-            self._skins[key] = score_skin(*self._asked(recipe, "skin"), bad.tolist(), doubt_pins=own)
+            asked = self._asked(recipe, "skin")
+            self._skins[key] = score_skin(*asked, bad.tolist(), doubt_pins=own, known=self._begun)
         return self._skins[key]
 
     def _asked(self, recipe: Recipe, quantity: str) -> tuple[FrameSequence, ScoreSettings]:

@@ -9,7 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from casr import press_scorer
 from casr.counts import counting
 from casr.frame_files import open_frames
 from casr.frames import FrameSequence
@@ -73,7 +72,6 @@ def test_algorithm_1_counts_pins_that_were_followed_already(
             return own(tracker, image)
 
         monkeypatch.setattr(PinTracker, name, counting)
-    press_scorer._started.cache_clear()  # what other tests have left there
     found = scored(sequence)
     assert found.first_contact is not None
     # from rest, for the lag, the front and the paper's forces: all begin with one frame

@@ -202,7 +202,7 @@ def exposed(
 ) -> NDArray[np.uint8]:  # fmt: skip
     """(H, W) uint8 frame of what was `drawn`, which stays as it is. ``room`` : (H, W) to work in, as new memory takes
     as long as the sums."""
-    noise = 0.0 if noise_grey <= 0 or rng is None else read_noise(grey.shape, rng, noise_grey, room)
+    noise = np.zeros_like(grey) if noise_grey <= 0 or rng is None else read_noise(grey.shape, rng, noise_grey, room)
     # the nearest whole grey level, half way the even one, within 0 and 255
     return cast(NDArray[np.uint8], cv2.add(grey, noise, dtype=cv2.CV_8U))
 

@@ -15,7 +15,7 @@ from casr.errors import CameraError, CasrError, FramesError, PinsError, SettingE
 from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.estimate import SensorKappa, estimate_kappa
 from casr.kappa.family import families
-from casr.kappa.field import OWN, SHARED, PressField, State
+from casr.kappa.field import OWN, SHARED, PressField, State, TableWorld
 from casr.kappa.known import KnownSensor
 from casr.kappa.posterior import CONTRADICTED, Posterior
 from casr.kappa.presses import KappaPress
@@ -141,7 +141,7 @@ def test_mountings_of_the_specimen_narrow_what_scatters_between_them(presses: li
 def test_derivatives_are_those_of_the_motion(presses: list[KappaPress]) -> None:
     camera_view = estimate_view()
     field = PressField(presses[4], camera_view, families(shipped())[0])
-    state, _ = field.started(0.3, 0.2)
+    ((state, _),) = field.started([TableWorld.of(field.family, 0.3, 0.2)])
     state = State(state.shared, np.array([0.2, 0.4, 0.01, -0.02]), state.radius_mm + 0.1)
     field.seen = field.whitened(field.predicted(state))  # what is left over turns with the pulls that are left out
     residual, by = field.linearised(state)
