@@ -285,12 +285,15 @@ class _Search:
         n_views, n_pins = len(views), len(self._rest_px)
         every = replace(views[0], pole_px=np.repeat([each.pole_px for each in views], n_pins, axis=0))
         around = every.around(every.directions(np.tile(self._rest_px, (n_views, 1))), np.repeat(axes, n_pins, axis=0))
-        motion = around.moved_px(*world.motion_at(around.arc_mm, np.float64))[..., 0]  # (V N, 2, R)
         step = world.radius_mm[1] - world.radius_mm[0]
         place = np.clip((radius_mm - world.radius_mm[0]) / step, 0, world.radius_mm.size - 1.000001)
         low = place.astype(np.intp)
+        first = int(low.min())
+        near = world.at_radii(slice(first, int(low.max()) + 2))
+        motion = around.moved_px(*near.motion_at(around.arc_mm, np.float64))[..., 0]  # (V N, 2, R)
+        share, low = place - low, low - first
         by_radius = motion[..., low + 1] - motion[..., low]
-        columns = [motion[..., low] + (place - low) * by_radius, by_radius]
+        columns = [motion[..., low] + share * by_radius, by_radius]
         if self.sheared:
             pulled = self.along(around, radius_mm).reshape(n_views, len(low), 2, n_pins, 2)
             columns += list(pulled.transpose(2, 0, 3, 4, 1).reshape(2, -1, 2, len(low)))

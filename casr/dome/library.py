@@ -108,9 +108,12 @@ class Library:
     @cached_property
     def coarse(self) -> Library:
         """The same worlds at every fourth radius."""
-        few = slice(None, None, 4)
-        by_radius = {name: getattr(self, name)[:, few] for name in ("force_n", "edge_arc_mm", "motion")}
-        return replace(self, radius_mm=self.radius_mm[few], **by_radius)
+        return self.at_radii(slice(None, None, 4))
+
+    def at_radii(self, some: slice) -> Library:
+        """The same worlds at some of the radii."""
+        by_radius = {name: getattr(self, name)[:, some] for name in ("force_n", "edge_arc_mm", "motion")}
+        return replace(self, radius_mm=self.radius_mm[some], **by_radius)
 
     @cached_property
     def _by_arc(self) -> NDArray[np.float32]:

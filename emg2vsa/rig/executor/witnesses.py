@@ -211,8 +211,15 @@ class SlowMotors:
             return 0.0
         farthest, motors_deg, before, sent = 0.0, at.motors_deg, self._before, self._sent
         for motor in range(self._motors):
-            bounds = before[motor], sent[motor], *[slow[motor] for slow in self._slow]
-            farthest = max(farthest, min(bounds) - motors_deg[motor], motors_deg[motor] - max(bounds))
+            low = high = before[motor]
+            for bound in (sent[motor], *[slow[motor] for slow in self._slow]):
+                if bound < low:
+                    low = bound
+                elif bound > high:
+                    high = bound
+            at_deg = motors_deg[motor]
+            if not low <= at_deg <= high:
+                farthest = max(farthest, low - at_deg, at_deg - high)
         return farthest
 
 

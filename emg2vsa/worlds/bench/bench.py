@@ -92,6 +92,8 @@ class EmulatedRig:
         )
         self._area_rng = np.random.default_rng(self._draws.sensor_seed)
         self._press = 0
+        self._true: dict[int, TrueLoading] = {}
+        "Of presses that are over: their scene is at hand only while they last."
         self._lock = threading.RLock()
         self.world = World(clock, self._draws.world(0), next_press=self._draws.world)
         away = World(clock, replace(self._draws.world(0), gap_mm=_AWAY_MM, springs=idle_springs))
@@ -133,12 +135,16 @@ class EmulatedRig:
     def loadings(self) -> list[TrueLoading]:
         """What is true of each press so far."""
         with self._lock:
-            return [
-                TrueLoading(np.array(forces_n), np.array(list(map(self._draws.seen(press).area_mm2, touches))))
-                for press, kept in enumerate(self.world.loadings)
-                if kept
-                for forces_n, touches in [zip(*kept, strict=True)]
-            ]
+            every = [self._true.get(press) or self._loading(press) for press in range(len(self.world.loadings))]
+        return [loading for loading in every if loading is not None]
+
+    def _loading(self, press: int) -> TrueLoading | None:
+        """None where it has not begun."""
+        if not (kept := self.world.loadings[press]):
+            return None
+        forces_n, touches = zip(*kept, strict=True)
+        seen = self._seen if press == self._press else self._draws.seen(press)
+        return TrueLoading(np.array(forces_n), np.array(list(map(seen.area_mm2, touches))))
 
     def interrupt(self, action: Callable[[], None]) -> None:
         """Carry out ``action`` at the clock's time, while no device speaks; from any thread."""
@@ -194,6 +200,8 @@ class EmulatedRig:
         with self._lock:
             self._advance()
             if self.world.press != self._press:
+                if (over := self._loading(self._press)) is not None:
+                    self._true[self._press] = over
                 self._press, self._seen = self.world.press, self._draws.seen(self.world.press)
                 self._show()
             return self._seen.in_frame(self.world.touch(time_s), self._area_rng)
