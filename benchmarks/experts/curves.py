@@ -9,24 +9,23 @@ Found = dict[str, np.ndarray]
 
 
 def log_fits(force: np.ndarray, v: np.ndarray) -> Found:
-    """v = a + b log F of rows (r, n) in closed form: a, b, SE, interval of 95 % and both R2."""
+    """v = a + b log F of rows (r, n) in closed form: a, b, their SE, interval of 95 % of b, both R2 and n."""
     x = np.log(force)
     mean_x, mean_v = x.mean(axis=1), v.mean(axis=1)
     x -= mean_x[:, None]
     y = v - mean_v[:, None]
     xx, xy, yy = np.einsum("ij,ij->i", x, x), np.einsum("ij,ij->i", x, y), np.einsum("ij,ij->i", y, y)
-    b = xy / xx
-    return _with_errors(mean_v - b * mean_x, b, xx, yy - b * xy, yy, x.shape[1])
+    return _with_errors(x, y, mean_x, mean_v, xx, xy / xx, yy - xy * xy / xx, yy)
 
 
 def log_fits_by_qr(force: np.ndarray, v: np.ndarray) -> Found:
     """The same by Householder's QR of every row's matrix."""
-    n = force.shape[1]
-    table = np.stack((np.ones_like(force), np.log(force), v), axis=2)
-    r = np.linalg.qr(table, mode="r")
+    x = np.log(force)
+    r = np.linalg.qr(np.stack((np.ones_like(force), x, v), axis=2), mode="r")
     b = r[:, 1, 2] / r[:, 1, 1]
     left, yy = r[:, 2, 2] ** 2, r[:, 1, 2] ** 2 + r[:, 2, 2] ** 2
-    return _with_errors((r[:, 0, 2] - r[:, 0, 1] * b) / r[:, 0, 0], b, r[:, 1, 1] ** 2, left, yy, n)
+    mean_x, mean_v = r[:, 0, 1:].T / r[:, 0, 0]
+    return _with_errors(x, v, mean_x, mean_v, r[:, 1, 1] ** 2, b, left, yy, close=False)
 
 
 def log_fits_on_a_grid(grid: np.ndarray, v: np.ndarray) -> Found:
@@ -35,19 +34,31 @@ def log_fits_on_a_grid(grid: np.ndarray, v: np.ndarray) -> Found:
     mean_x = x.mean()
     x -= mean_x
     xx, mean_v, xy = x @ x, v.mean(axis=1), v @ x
-    b = xy / xx
     y = v - mean_v[:, None]
     yy = np.einsum("ij,ij->i", y, y)
-    return _with_errors(mean_v - b * mean_x, b, xx, yy - b * xy, yy, grid.size)
+    return _with_errors(x, y, mean_x, mean_v, xx, xy / xx, yy - xy * xy / xx, yy)
 
 
-def _with_errors(a: np.ndarray, b: np.ndarray, xx: np.ndarray, left: np.ndarray, yy: np.ndarray, n: int) -> Found:
+def _with_errors(
+    x: np.ndarray, y: np.ndarray, mean_x: np.ndarray, mean_y: np.ndarray, xx: np.ndarray, b: np.ndarray,
+    left: np.ndarray, yy: np.ndarray, close: bool = True,
+) -> Found:  # fmt: skip
+    """Of x and y about their means. A point that is no number is refused; close : the residuals of a fit of less than a
+    tenth of yy are summed one by one, as their difference loses digits."""
+    if not np.isfinite(left).all():
+        raise ValueError("every force must be above zero, and every point a number")
+    near = np.flatnonzero(left < 0.1 * yy) if close else ()
+    if len(near):
+        rest = y[near] - b[near, None] * (x if x.ndim == 1 else x[near])
+        left[near] = np.einsum("ij,ij->i", rest, rest)
+    n = y.shape[1]
     se = np.sqrt(left / ((n - 2) * xx))
     reach = special.stdtrit(n - 2, 0.975) * se
     share = left / yy
     return {
-        "a": a, "b": b, "SE(b)": se, "low": b - reach, "high": b + reach, "R2": 1 - share,
-        "adj R2": 1 - share * ((n - 1) / (n - 2)),
+        "a": mean_y - b * mean_x, "b": b, "SE(a)": se * np.sqrt(xx / n + mean_x * mean_x), "SE(b)": se,
+        "low": b - reach, "high": b + reach, "R2": 1 - share, "adj R2": 1 - share * ((n - 1) / (n - 2)),
+        "n": np.full(len(b), n),
     }  # fmt: skip
 
 

@@ -27,7 +27,7 @@ from emg2vsa.curves.logarithmic import fit_log
 
 A_V, B_V, NOISE_V = 30e-6, 15e-6, 5e-6
 KAPPA, CASR, REPETITION_CV = np.array([7.63, 3.35, 1.11]), np.array([0.186, 0.711, 1.416]), 0.05
-LOG_NUMBERS = ("a", "b", "SE(b)", "adj R2")
+LOG_NUMBERS = ("a", "b", "SE(a)", "SE(b)", "adj R2")
 MPMATH = "50-digit arithmetic"
 EXP_FLOPS = 20
 "Of one logarithm or exponential of a double, by a polynomial."
@@ -82,7 +82,7 @@ def _log_error(force: np.ndarray, v: np.ndarray) -> Callable[[Numbers], float]:
 
 def _ours(x: np.ndarray, v: np.ndarray) -> Numbers:
     fit = fit_log(x, v)
-    return {"a": fit.a, "b": fit.b, "SE(b)": fit.b_se, "adj R2": fit.adj_r2}
+    return {"a": fit.a, "b": fit.b, "SE(a)": fit.a_se, "SE(b)": fit.b_se, "adj R2": fit.adj_r2}
 
 
 def _log_peers(force: np.ndarray, v: np.ndarray, few: bool) -> Iterator[Way]:
@@ -93,7 +93,7 @@ def _log_peers(force: np.ndarray, v: np.ndarray, few: bool) -> Iterator[Way]:
 
     def linregress(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
         fit = stats.linregress(x, y)
-        return fit.intercept, fit.slope, fit.stderr, 1 - (1 - fit.rvalue**2) * (x.size - 1) / (x.size - 2)
+        return fit.intercept, fit.slope, fit.intercept_stderr, fit.stderr, 1 - (1 - fit.rvalue**2) * (x.size - 1) / (x.size - 2)
 
     yield Way("numpy", "expert: closed form", lambda: curves.log_fits(force, v), "equal")
     if not few:
@@ -106,7 +106,7 @@ def _log_peers(force: np.ndarray, v: np.ndarray, few: bool) -> Iterator[Way]:
 
 def _ols(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
     fit = statsmodels_api.OLS(y, np.column_stack([np.ones(x.size), x])).fit()
-    return *fit.params, fit.bse[1], fit.rsquared_adj
+    return *fit.params, *fit.bse, fit.rsquared_adj
 
 
 def _grid_peers(grid: np.ndarray, v: np.ndarray) -> Iterator[Way]:

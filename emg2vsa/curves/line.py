@@ -96,19 +96,19 @@ def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
     return line, syy
 
 
-def line_of_sums(p: int, x_mean: Floats, y_mean: Floats, sxx: Floats, sxy: Floats, syy: Floats, sse: Floats) -> Line:
-    """Lines through p > 2 points a row that count alike and differ in x, by means (d,), sums about them (d,) and of
-    residuals (d,)."""
-    slope, variance, unexplained = sxy / sxx, sse / (p - 2), sse / syy
+def line_of_sums(p: int, x_mean: Floats, y_mean: Floats, sxx: Floats, slope: Floats, syy: Floats, sse: Floats) -> Line:
+    """Lines through p > 2 points a row that count alike and differ in x, by means (d,), sums about them (d,), slopes
+    (d,) and sums of residuals (d,)."""
+    slope_se, unexplained, n = np.sqrt(sse / ((p - 2) * sxx)), sse / syy, np.full(len(sxx), p)
     return Line(
         intercept=y_mean - slope * x_mean,
         slope=slope,
-        intercept_se=np.sqrt(variance * (1 / p + x_mean * x_mean / sxx)),
-        slope_se=np.sqrt(variance / sxx),
+        intercept_se=slope_se * np.sqrt(sxx / p + x_mean * x_mean),
+        slope_se=slope_se,
         r2=1 - unexplained,
         adj_r2=1 - unexplained * ((p - 1) / (p - 2)),
-        n=np.full(len(sxx), p),
-        dof=np.full(len(sxx), p - 2),
+        n=n,
+        dof=n - 2,
     )
 
 

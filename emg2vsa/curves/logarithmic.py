@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,10 +19,11 @@ LEVEL_FLOOR = 0.1
 NARROW = 1e-3
 """A fit whose forces differ by a smaller share of themselves says how many digits are left."""
 
-_POINTS_AT_ONCE = 8_000  # both tables of a block together below 128 kB: the C library clears larger ones anew
-_CLOSE = 0.1  # residual squares below this share of those of v are summed one by one: a difference would lose digits
-_PERFECT = 1e-6  # the same share, below which the rounding of the deviations themselves shows in the residuals
+_POINTS_AT_ONCE = 16_000  # a table of a block below 128 kB: the C library clears larger ones anew
+_MIDDLE = 1.0  # ln F of presses, which lie between .5 and 7 N, less this is about zero
+_NEAR = 3.0  # sum of squares of that over the one about its mean, above which their difference would lose digits
 _FAR = 1e8  # square of a mean over the sum of squares about it, above which centring by the rounded mean loses digits
+_CLOSE = 0.1  # residual squares below this share of those of v are summed one by one: a difference would lose digits
 
 
 @dataclass(frozen=True)
@@ -59,45 +59,66 @@ def fit_log(force_n: ArrayLike, v: ArrayLike, robust: bool = False, confidence: 
     """
     v = np.atleast_2d(np.asarray(unmasked(v), dtype=np.float64))
     force = np.asarray(unmasked(force_n), dtype=np.float64)
-    rows = max(1, _POINTS_AT_ONCE // max(1, v.shape[1]))
-    cuts = [slice(i, i + rows) for i in range(0, max(len(v), 1), rows)]
-    line = None if robust else _of_plain_rows(force, v, cuts)
-    if line is None:
-        line = join([_fit_block(v[cut], force if force.ndim == 1 else force[cut], robust) for cut in cuts])
-    return _log_fit(line, confidence)
+    return _log_fit(_in_blocks(force, v, robust=True) if robust else _lines(force, v), confidence)
 
 
-def _of_plain_rows(force: Floats, v: Floats, cuts: Sequence[slice]) -> Line | None:
-    """Lines through (ln F, v) where every point counts alike; None where points are left out, or where centring by the
-    rounded mean, once and not twice, would cost digits."""
+def _lines(force: Floats, v: Floats) -> Line:
+    """Lines through (ln F, v): by plain sums where these keep their digits, and with care where they do not."""
     k, p = v.shape
     if not k or not 3 <= p <= 10_000:  # of longer rows BLAS shares one among threads, and its last bit shows it
-        return None
-    ones, common = np.ones((1, p)), force.ndim == 1
-    rows = min(cuts[0].stop, k)
-    x_buffer, y_buffer = np.empty((1 if common else rows, p)), np.empty((rows, p))
-    sums = np.empty((6, k))  # means, sums of squares and products, residual squares
+        return _in_blocks(force, v)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        for cut in cuts:
-            mean_x, mean_y, sxx, sxy, syy, sse = sums[:, cut]
-            dy = y_buffer[: len(mean_y)]
-            if not common or cut.start == 0:
-                dx = np.log(force if common else force[cut], out=x_buffer if common else x_buffer[: len(dy)])
-                row_x = np.vecdot(dx, ones) / p
-                dx -= row_x[:, None]
-            mean_x[:], sxx[:] = row_x, np.vecdot(dx, dx)
-            mean_y[:] = np.vecdot(v[cut], ones) / p
-            np.subtract(v[cut], mean_y[:, None], out=dy)
-            np.vecdot(dx, dy, out=sxy)
-            np.vecdot(dy, dy, out=syy)
-            sse[:] = syy - sxy * sxy / sxx
-            close = np.flatnonzero(sse < _CLOSE * syy)
-            if close.size:
-                left = dy[close] - (sxy / sxx)[close, None] * (dx if common else dx[close])
-                sse[close] = np.vecdot(left, left)
-        sound = (sums[0] ** 2 < _FAR * sums[2]) & (sums[1] ** 2 < _FAR * sums[4])
-        sound &= (sums[5] > _PERFECT * sums[4]) & (sums[4] > SAFE) & (sums[4] < 1 / SAFE)
-        return line_of_sums(p, *sums) if sound.all() else None
+        line, sound = _of_sums(p, *_sums(force, v))
+    if np.count_nonzero(sound) == k:
+        return line
+    rest = np.flatnonzero(~sound)
+    careful = _in_blocks(force if force.ndim == 1 else force[rest], v[rest])
+    if rest.size == k:
+        return careful
+    for field in dataclasses.fields(Line):
+        getattr(line, field.name)[rest] = getattr(careful, field.name)
+    return line
+
+
+def _sums(force: Floats, v: Floats) -> Floats:
+    """Along the rows (5, k): means of x = ln F - 1 and of v, sums of x^2, and of v about its mean times x and itself."""
+    k, p = v.shape
+    weights, common, sums, cuts = np.full(p, 1 / p), force.ndim == 1, np.empty((5, k)), _blocks(v)
+    shape = min(k, cuts[0].stop), p
+    logs, about = np.empty((0 if common else shape[0], p)), np.empty(shape)
+    if common:
+        x = np.log(force)[None] - _MIDDLE
+        sums[0], sums[2] = np.vecdot(x, weights), np.vecdot(x, x)
+    for cut in cuts:
+        mean_x, mean_v, xx, xv, vv = sums[:, cut]
+        if not common:
+            x = np.log(force[cut], out=logs[: len(vv)])
+            x -= _MIDDLE
+            np.vecdot(x, weights, out=mean_x)
+            np.vecdot(x, x, out=xx)
+        rows = v[cut]
+        np.vecdot(rows, weights, out=mean_v)
+        dv = np.subtract(rows, mean_v[:, None], out=about[: len(vv)])
+        np.vecdot(x, dv, out=xv)
+        np.vecdot(dv, dv, out=vv)
+    return sums
+
+
+def _of_sums(
+    p: int, mean_x: Floats, mean_v: Floats, xx: Floats, xv: Floats, vv: Floats
+) -> tuple[Line, NDArray[np.bool_]]:
+    """Lines through rows of p points, and which of them kept their digits: none with a point that does not count."""
+    sxx = xx - p * mean_x * mean_x
+    slope = xv / sxx
+    sse = vv - xv * slope
+    # sums that are no numbers, or beyond the range of a double, fail here, too
+    sound = (xx < _NEAR * sxx) & (mean_v * mean_v < _FAR * vv) & (sse > _CLOSE * vv + SAFE)
+    return line_of_sums(p, mean_x + _MIDDLE, mean_v, sxx, slope, vv, sse), sound
+
+
+def _blocks(v: Floats) -> list[slice]:
+    rows = max(1, _POINTS_AT_ONCE // max(1, v.shape[1]))
+    return [slice(i, i + rows) for i in range(0, max(len(v), 1), rows)]
 
 
 def _log_fit(line: Line, confidence: float) -> LogFit:
@@ -116,11 +137,11 @@ def _log_fit(line: Line, confidence: float) -> LogFit:
     )
 
 
-def _fit_block(v: Floats, force: Floats, robust: bool) -> Line:
-    """The line through (ln F, v) for a block of rows; points that do not count get weight 0."""
+def _in_blocks(force: Floats, v: Floats, robust: bool = False) -> Line:
+    """The lines through (ln F, v), block by block; points that do not count get weight 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        x = np.log(force)
-    return _fit_points(x, v, None, robust)
+        parts = [(np.log(force if force.ndim == 1 else force[cut]), v[cut]) for cut in _blocks(v)]
+    return join([_fit_points(x, y, None, robust) for x, y in parts])
 
 
 def _fit_points(x: Floats, v: Floats, weights: Floats | None, robust: bool) -> Line:
@@ -206,10 +227,10 @@ def said_of_forces(force_n: Floats) -> list[str]:
     return said
 
 
-def _t_quantile(dof: NDArray[np.int64] | Floats, confidence: float) -> Floats:
-    """Student t (k,) of a two-sided interval; NaN where dof is 0."""
-    if dof.size and (dof == dof[0]).all() and dof[0] > 0:
-        return np.full(dof.size, special.stdtrit(dof[0], 0.5 + 0.5 * confidence))
+def _t_quantile(dof: NDArray[np.int64] | Floats, confidence: float) -> Floats | float:
+    """Student t (k,), or one for all, of a two-sided interval; NaN where dof is 0."""
+    if dof.size and dof[0] > 0 and np.count_nonzero(dof == dof[0]) == dof.size:
+        return special.stdtrit(dof[0], 0.5 + 0.5 * confidence)
     distinct, where = np.unique(dof, return_inverse=True)
     quantile = special.stdtrit(np.where(distinct > 0, distinct, np.nan), 0.5 + 0.5 * confidence)
     return np.asarray(quantile, dtype=np.float64)[where]
