@@ -10,6 +10,7 @@ from scipy import special
 
 def kruskal_and_dunn(x: np.ndarray) -> dict[str, Any]:
     """H and p of Kruskal and Wallis, and p of Dunn's pairs by Bonferroni, with mean ranks of ties."""
+    _refuse_gaps(x)
     d, k, n = x.shape
     flat, size = x.reshape(d, k * n), k * n
     order = np.argsort(flat, axis=1)
@@ -24,8 +25,17 @@ def kruskal_and_dunn(x: np.ndarray) -> dict[str, Any]:
     variance = (size * (size + 1) - tied / (size - 1)) / 12
     h = n * np.sum((means - (size + 1) / 2) ** 2, axis=1) / variance
     first, second = np.triu_indices(k, 1)
-    z = np.abs(means[:, first] - means[:, second]) / np.sqrt(variance * 2 / n)[:, None]
-    return {"H": h, "p": special.chdtrc(k - 1, h), "p Dunn": np.minimum(2 * first.size * special.ndtr(-z), 1)}
+    difference = means[:, first] - means[:, second]
+    z = difference / np.sqrt(variance * 2 / n)[:, None]
+    return {
+        "H": h, "p": special.chdtrc(k - 1, h), "epsilon2": h / (size - 1), "mean ranks": means,
+        "difference": difference, "z": z, "p Dunn": np.minimum(2 * first.size * special.ndtr(-np.abs(z)), 1),
+    }  # fmt: skip
+
+
+def _refuse_gaps(x: np.ndarray) -> None:
+    if not np.isfinite(x).all():
+        raise ValueError("every value must be a number")
 
 
 def _mean_ranks(in_order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -37,16 +47,18 @@ def _mean_ranks(in_order: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def anova_and_lsd(x: np.ndarray) -> dict[str, Any]:
-    """F and p of one-way designs, p and lower ends of the pairs' least significant differences."""
+    """F, p, eta2 and SD of one-way designs, and t, p and intervals of the pairs' least significant differences."""
+    _refuse_gaps(x)
     _, k, n = x.shape
-    means = x.mean(axis=2)
-    within = np.sum((x - means[..., None]) ** 2, axis=(1, 2)) / (k * (n - 1))
-    f = n * means.var(axis=1, ddof=1) / within
+    means, df = x.mean(axis=2), k * (n - 1)
+    squares = np.sum((x - means[..., None]) ** 2, axis=(1, 2))
+    between, within = n * (k - 1) * means.var(axis=1, ddof=1), squares / df
+    f = between / (k - 1) / within
     first, second = np.triu_indices(k, 1)
     difference, se = means[:, first] - means[:, second], np.sqrt(within * 2 / n)[:, None]
-    df = k * (n - 1)
-    p = 2 * special.stdtr(df, -np.abs(difference) / se)
+    t, reach = difference / se, special.stdtrit(df, 0.975) * se
     return {
-        "F": f, "p": special.fdtrc(k - 1, df, f), "p LSD": p,
-        "low LSD": difference - special.stdtrit(df, 0.975) * se,
+        "F": f, "p": special.fdtrc(k - 1, df, f), "eta2": between / (between + squares), "sd": np.sqrt(within),
+        "means": means, "difference": difference, "t": t, "p LSD": 2 * special.stdtr(df, -np.abs(t)),
+        "low LSD": difference - reach, "high LSD": difference + reach,
     }  # fmt: skip

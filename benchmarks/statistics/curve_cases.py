@@ -93,7 +93,8 @@ def _log_peers(force: np.ndarray, v: np.ndarray, few: bool) -> Iterator[Way]:
 
     def linregress(x: np.ndarray, y: np.ndarray) -> tuple[float, ...]:
         fit = stats.linregress(x, y)
-        return fit.intercept, fit.slope, fit.intercept_stderr, fit.stderr, 1 - (1 - fit.rvalue**2) * (x.size - 1) / (x.size - 2)
+        adjusted = 1 - (1 - fit.rvalue**2) * (x.size - 1) / (x.size - 2)
+        return fit.intercept, fit.slope, fit.intercept_stderr, fit.stderr, adjusted
 
     yield Way("numpy", "expert: closed form", lambda: curves.log_fits(force, v), "equal")
     if not few:

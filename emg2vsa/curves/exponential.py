@@ -18,7 +18,7 @@ from emg2vsa.arrays import Floats, exponent_of, unmasked
 from emg2vsa.curves.line import WeightedRows, check_rows, fit_line, weighted_rows
 
 _WHERE = "exponential fit"
-_POINTS_AT_ONCE = 12_000  # temporaries below 128 kB: the C library maps and clears larger ones anew each time
+_POINTS_AT_ONCE = 24_000  # the powers of a block together in a cache of a megabyte
 _MAX_ITERATIONS = 60
 _LONGEST_STEP = 2.0  # of q where |z| <= 1: factors of e^2 at the ends of the data
 _LAST_STEP = 1e-10  # Newton squares it: what is left is below rounding
@@ -86,12 +86,12 @@ def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None
     spread = _sums(wz, z)
     q = _sums(wz, log_y if log_y.ndim == 2 else log_y[:, None]) / spread  # wz sums to zero
     reach = np.sqrt(spread / total)
-    of_y, powers = "ij,kij->kj" if y.ndim == 2 else "i,kij->kj", np.empty((4, *z.shape))
+    powers = np.empty((4, *z.shape))
     for _ in range(_FEW):
         np.exp(np.multiply(q, z, out=powers[0]), out=powers[0])
         for k in range(3):
             np.multiply(z, powers[k], out=powers[k + 1])
-        t0, t1, t2, t3 = _cumulants(np.einsum(of_y, y, powers))
+        t0, t1, t2, t3 = _cumulants(y @ powers if y.ndim == 1 else np.einsum("ij,kij->kj", y, powers))
         s0, s1, s2, s3 = _cumulants(np.einsum("ij,kij->kj", powers[0], powers))
         h, slope, bend = t1 - s1, t2 - 2 * s2, t3 - 4 * s3
         step = -2 * h * slope / (2 * slope * slope - h * bend)

@@ -81,7 +81,7 @@ def _lines(force: Floats, v: Floats) -> Line:
 
 
 def _sums(force: Floats, v: Floats) -> Floats:
-    """Along the rows (5, k): means of x = ln F - 1 and of v, sums of x^2, and of v about its mean times x and itself."""
+    """Of rows (5, k): means of x = ln F - 1 and of v, sums of x^2, and of v about its mean times x and times itself."""
     k, p = v.shape
     weights, common, sums, cuts = np.full(p, 1 / p), force.ndim == 1, np.empty((5, k)), _blocks(v)
     shape = min(k, cuts[0].stop), p

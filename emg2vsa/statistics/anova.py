@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, sums_of
 from emg2vsa.shown import shown
-from emg2vsa.statistics.moments import GroupMoments, group_moments
+from emg2vsa.statistics.moments import GroupMoments, common_count, group_moments
 from emg2vsa.statistics.outcome import Outcome, Outcomes
 
 
@@ -70,28 +70,27 @@ def one_way(values: ArrayLike) -> Anova:
     F = inf and p = 0. DataError for another shape.
     """
     groups = group_moments(values)
-    count = groups.count
+    count, offset, k = groups.count, groups.offset, groups.count.shape[1]
     with np.errstate(divide="ignore", invalid="ignore"):
-        n = count.sum(axis=1)
-        grand = np.vecdot(count, groups.offset) / n
-        ss_between = np.vecdot(count, (groups.offset - grand[:, None]) ** 2)
-        ss_within = groups.squares.sum(axis=1)
-        df1 = np.count_nonzero(count, axis=1) - 1
+        if each := common_count(count):
+            n, df1 = np.full(len(count), k * each), np.full(len(count), k - 1)
+            about = offset - (sums_of(offset) / k)[:, None]
+            ss_between = each * np.vecdot(about, about)
+        else:
+            n, df1 = count.sum(axis=1), np.count_nonzero(count, axis=1) - 1
+            about = offset - (np.vecdot(count, offset) / n)[:, None]
+            ss_between = np.vecdot(count, about * about)
+        ss_within = sums_of(groups.squares)
         df2 = n - df1 - 1
-        ms_within = ss_within / np.where(df2 > 0, df2, np.nan)
-        f = ss_between / np.where(df1 > 0, df1, np.nan) / ms_within
-        eta2 = np.where(df1 > 0, ss_between / (ss_between + ss_within), np.nan)
-    return Anova(
-        f=f,
-        df1=df1,
-        df2=df2,
-        p=special.fdtrc(df1, df2, f),
-        eta2=eta2,
-        sd=groups.to_data(np.sqrt(ms_within)),
-        mean=groups.mean,
-        count=count,
-        offset=np.where(count > 0, groups.to_data(groups.offset), np.nan),
-    )
+        ms_within = ss_within / df2  # 0 / 0 where no group has two values
+        f = ss_between / df1 / ms_within
+        eta2 = ss_between / (ss_between + ss_within)
+    offset = groups.to_data(offset)
+    if k < 2 or not each:
+        f, eta2 = np.where(df1 > 0, f, np.nan), np.where(df1 > 0, eta2, np.nan)
+        offset = np.where(count > 0, offset, np.nan)
+    sd = groups.to_data(np.sqrt(ms_within))
+    return Anova(f, df1, df2, np.asarray(special.fdtrc(df1, df2, f)), eta2, sd, groups.mean, count, offset)
 
 
 def welch(values: ArrayLike) -> Outcomes:

@@ -14,7 +14,7 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import SettingError
 from emg2vsa.statistics.moments import GroupMoments, group_moments
 from emg2vsa.statistics.outcome import Outcome
-from emg2vsa.statistics.post_hoc import check_two_groups, pair_numbers
+from emg2vsa.statistics.post_hoc import check_two_groups, pair_numbers, student_quantile
 
 MarginUnit = Literal["data", "sd"]
 
@@ -110,8 +110,7 @@ def _decide(
     width = margin * sd if unit == "sd" else np.where(np.isnan(sd), np.nan, margin)
     # the side the difference leans to is the harder one to reject
     t = (np.abs(difference) - width) / se
-    known, of_known = np.unique(df, return_inverse=True)  # few, and the quantile is slow
-    reach = special.stdtrit(known, 1 - alpha)[of_known].reshape(se.shape) * se
+    reach = student_quantile(df, 1 - alpha) * se
     return Equivalence(
         difference=difference,
         sd=sd,

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, sums_of, unmasked
-from emg2vsa.statistics.moments import shifted_doubles
+from emg2vsa.statistics.moments import common_count, shifted_doubles
 from emg2vsa.statistics.multiplicity import adjust
 from emg2vsa.statistics.outcome import Outcome
 from emg2vsa.statistics.post_hoc import pair_numbers
@@ -26,7 +26,9 @@ def midranks(values: ArrayLike) -> Floats:
     order += np.arange(0, table.size, table.shape[1])[:, None]
     ordered = table.ravel()[order]
     ranks = np.empty(rows.shape)
-    if np.all(ordered[:, 1:] > ordered[:, :-1]):  # neither ties nor, but for a row of one, NaN
+    rises = ordered.ravel()[1:] > ordered.ravel()[:-1]
+    rises[table.shape[1] - 1 :: table.shape[1]] = True  # from one row to the next
+    if np.count_nonzero(rises) == rises.size:  # neither ties nor, but for a row of one, NaN
         ranks.ravel()[order] = np.arange(1.0, table.shape[1] + 1)
         return ranks if table.shape[1] > 1 else ranks + 0 * rows
     first, last = _runs(ordered)
@@ -90,21 +92,25 @@ def kruskal(values: ArrayLike) -> KruskalWallis:
     doubles, _ = shifted_doubles(values)
     d, k, n = doubles.shape
     missing = np.isnan(doubles)
-    gaps = bool(missing.any())
+    gaps = np.count_nonzero(missing) > 0
     offset = midranks(doubles.reshape(d, k * n))
-    count = n - missing.sum(axis=2) if gaps else np.full((d, k), n)
-    total, groups = count.sum(axis=1), (count > 0).sum(axis=1)
+    count, total, groups = np.full((d, k), n), np.full(d, k * n), np.full(d, k)
+    if gaps:
+        count -= missing.sum(axis=2)
+        total, groups = count.sum(axis=1), np.count_nonzero(count, axis=1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        centre = (total[:, None] + 1) / 2
+        centre = (total[:, None] + 1) / 2 if gaps else (k * n + 1) / 2
         offset -= centre
         if gaps:
             offset[np.isnan(offset)] = 0.0
         mean_offset = sums_of(offset.reshape(d * k, n)).reshape(d, k) / count
-        mean_rank = centre + mean_offset
-        rank_variance = np.vecdot(offset, offset) / (total - 1)
+        mean_rank, others = centre + mean_offset, total - 1
+        rank_variance = np.vecdot(offset, offset) / others
         between = np.vecdot(count, np.where(count, mean_offset, 0.0) ** 2 if gaps else mean_offset**2)
-        h = np.where(groups > 1, between / rank_variance, np.nan)
-        epsilon2 = h / (total - 1)
+        h = between / rank_variance
+        if gaps or k < 2:
+            h = np.where(groups > 1, h, np.nan)
+        epsilon2 = h / others
     df = groups - 1
     p = special.chdtrc(np.maximum(df, 1.0), h)  # whole numbers would cost a cast of each
     return KruskalWallis(h, df, p, epsilon2, mean_rank, count, rank_variance)
@@ -140,12 +146,16 @@ class RankPairs:
 def dunn(found: KruskalWallis) -> RankPairs:
     """Dunn (1964), corrected for ties, Bonferroni's p, as MATLAB's multcompare after kruskalwallis (paper, VI)."""
     first, second = pair_numbers(found.mean_rank.shape[1])
+    difference = found.mean_rank.take(first, axis=1) - found.mean_rank.take(second, axis=1)
+    variance = found.rank_variance[:, None]
     with np.errstate(divide="ignore", invalid="ignore"):
-        difference = found.mean_rank[:, first] - found.mean_rank[:, second]
-        per_value = 1 / found.count
-        z = difference / np.sqrt(found.rank_variance[:, None] * (per_value[:, first] + per_value[:, second]))
-    p = adjust(2 * special.ndtr(-np.abs(z)), "bonferroni")
-    return RankPairs(first, second, difference, z, p, found.count[:, first] + found.count[:, second])
+        if each := common_count(found.count):
+            variance, n = variance * (2 / each), np.full(difference.shape, 2 * each)
+        else:
+            n1, n2 = found.count[:, first], found.count[:, second]
+            variance, n = variance * (1 / n1 + 1 / n2), n1 + n2
+        z = difference / np.sqrt(variance)
+    return RankPairs(first, second, difference, z, adjust(2 * special.ndtr(-np.abs(z)), "bonferroni"), n)
 
 
 def smallest_worst_p(groups: int, count: int) -> tuple[float, float]:

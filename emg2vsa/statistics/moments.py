@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from emg2vsa.arrays import Floats, Ints, exponent_of, unmasked
+from emg2vsa.arrays import Floats, Ints, exponent_of, sums_of, unmasked
 from emg2vsa.errors import DataError
 
 _ROUNDING = 8 * np.finfo(np.float64).eps
 """Largest error of a difference of means, over the largest value they were taken of."""
+_LEAST = 1e-180  # sums of squares between this and its inverse are those that scaled values would give
+_LONGEST = 10_000  # of longer groups BLAS shares one among threads, and its last bit shows it
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,8 @@ class GroupMoments:
     def to_data(self, scaled: Floats) -> Floats:
         """Numbers (d, ...) of the first power of the data, back in the data's own unit: a scalar or more of each
         design."""
+        if not np.count_nonzero(self.unit):
+            return scaled
         return np.asarray(np.ldexp(scaled, self.unit.reshape(-1, *(1,) * (scaled.ndim - 1))))
 
 
@@ -47,6 +51,29 @@ def group_moments(values: ArrayLike) -> GroupMoments:
     objects are accepted (None: no value); their differences are taken exactly. DataError for another shape.
     """
     doubles, origin = shifted_doubles(values)
+    return _of_whole_groups(doubles, origin) or _of_groups(doubles, origin)
+
+
+def _of_whole_groups(doubles: Floats, origin: Floats) -> GroupMoments | None:
+    """Of designs without a gap and in no need of a unit; None where a group has no spread, too, or one value."""
+    d, k, n = doubles.shape
+    if n > _LONGEST:
+        return None
+    with np.errstate(invalid="ignore", over="ignore"):
+        start = doubles[..., :1]
+        shifted = doubles - start
+        inner = sums_of(shifted.reshape(d * k, n)).reshape(d, k, 1) / n
+        deviation = np.subtract(shifted, inner, out=shifted)
+        squares = np.vecdot(deviation, deviation)
+        if np.count_nonzero((squares > _LEAST) & (squares < 1 / _LEAST)) < d * k:
+            return None
+        offset = (start - start[:, :1] + inner)[..., 0]
+    mean = doubles[:, 0, :1] + offset + origin[:, None]
+    count, valid = np.full((d, k), n), np.ones(doubles.shape, dtype=np.bool_)
+    return GroupMoments(count, offset, squares, deviation, valid, np.zeros(d, dtype=np.int32), mean)
+
+
+def _of_groups(doubles: Floats, origin: Floats) -> GroupMoments:
     valid = np.isfinite(doubles)
     count = valid.sum(axis=2)
     filled = np.where(valid, doubles, 0.0)
@@ -62,6 +89,12 @@ def group_moments(values: ArrayLike) -> GroupMoments:
     offset = np.where(count > 0, start - design_start + inner, 0.0)
     at = np.ldexp(np.where(count > 0, design_start + offset, np.nan), unit[:, None])
     return GroupMoments(count, offset, (deviation**2).sum(axis=2), deviation, valid, unit, origin[:, None] + at)
+
+
+def common_count(count: Ints) -> int:
+    """The number of values of a group (d, k) where all have the same, else 0."""
+    each = int(count.flat[0]) if count.size else 0
+    return each if np.count_nonzero(count == each) == count.size else 0
 
 
 def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:

@@ -19,7 +19,9 @@ def adjust(p: ArrayLike, method: Adjustment) -> Floats:
     positively dependent tests.
     """
     values = np.asarray(p, dtype=np.float64)
-    m = np.count_nonzero(~np.isnan(values), axis=-1, keepdims=True)
+    missing, m = np.isnan(values), values.shape[-1]
+    if np.count_nonzero(missing):
+        m = m - np.count_nonzero(missing, axis=-1, keepdims=True)
     if method == "bonferroni":
         return np.minimum(values * m, 1.0)
     order = np.argsort(values, axis=-1)  # NaN last

@@ -13,7 +13,7 @@ from emg2vsa.arrays import Floats, Ints
 from emg2vsa.errors import DataError
 from emg2vsa.statistics import studentized_range
 from emg2vsa.statistics.anova import Anova, variance_of_means
-from emg2vsa.statistics.moments import group_moments
+from emg2vsa.statistics.moments import common_count, group_moments
 from emg2vsa.statistics.outcome import Outcome
 
 
@@ -84,15 +84,25 @@ def check_two_groups(k: int) -> None:
         )
 
 
+def student_quantile(df: Floats, probability: float) -> Floats | float:
+    """Of Student's t at df (d, q), or one number where all are alike: they are few, and the quantile is slow."""
+    if df.size and np.count_nonzero(df == df.flat[0]) == df.size:
+        return float(special.stdtrit(df.flat[0], probability))
+    known, at = np.unique(df, return_inverse=True)
+    return np.asarray(special.stdtrit(known, probability)[at].reshape(df.shape))
+
+
 def student_pairs(
     method: str, difference: Floats, se: Floats, df: Floats, n: Ints, k: int, confidence: float
 ) -> PairDifferences:
-    """All pairs of k groups by Student's t (1908); difference, its standard error se, df and n : (d, q)."""
+    """All pairs of k groups by Student's t (1908); difference, its standard error se, df and n : (d, q), or se (d, 1)."""
     first, second = pair_numbers(k)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = difference / se
-    known, at = np.unique(df, return_inverse=True)  # few, and the quantile is slow
-    reach = special.stdtrit(known, 0.5 + 0.5 * confidence)[at].reshape(df.shape) * se
+    undefined = np.isnan(t)
+    if np.count_nonzero(undefined):
+        df = np.where(undefined, np.nan, df)
+    reach = student_quantile(df, 0.5 + 0.5 * confidence) * se
     return PairDifferences(
         method=method,
         caution=f"one of {first.size} pairs, not corrected for their number",
@@ -118,8 +128,7 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
     groups (benchmarks/familywise.py).
     """
     difference, se, n = _pooled(anova)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        df = np.where(np.isnan(difference / se), np.nan, anova.df2[:, None])
+    df = np.full(difference.shape, anova.df2[:, None], dtype=np.float64)
     method = "Fisher's LSD, pooled SD" + (", protected by the F test" if protected else "")
     pairs = student_pairs(method, difference, se, df, n, anova.mean.shape[1], confidence)
     if not protected:
@@ -154,12 +163,15 @@ def games_howell(values: ArrayLike, confidence: float = 0.95) -> PairDifferences
 
 
 def _pooled(anova: Anova) -> tuple[Floats, Floats, Ints]:
-    """Of all pairs (d, q): difference of the means, its standard error by the pooled SD, values."""
+    """Of all pairs (d, q): difference of the means, its standard error by the pooled SD, here also (d, 1), values."""
     first, second = pair_numbers(anova.mean.shape[1])
-    n1, n2 = anova.count[:, first], anova.count[:, second]
+    count, sd = anova.count, anova.sd[:, None]
+    difference = anova.offset.take(first, axis=1) - anova.offset.take(second, axis=1)
+    if each := common_count(count):
+        return difference, sd * np.sqrt(2 / each), np.full(difference.shape, 2 * each)
+    n1, n2 = count[:, first], count[:, second]
     with np.errstate(divide="ignore", invalid="ignore"):
-        se = anova.sd[:, None] * np.sqrt(1 / n1 + 1 / n2)
-    return anova.offset[:, first] - anova.offset[:, second], se, n1 + n2
+        return difference, sd * np.sqrt(1 / n1 + 1 / n2), n1 + n2
 
 
 def _range_pairs(
