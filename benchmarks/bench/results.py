@@ -63,11 +63,13 @@ class CaseResult:
         return min(own, key=_time, default=self.rows[0])
 
     def fastest(self, alike: bool) -> Row | None:
-        """Of other libraries' rows of equal work the fastest, whose error is like that of our first row, or larger."""
+        """Of other libraries' rows the fastest: of equal work and an error like that of our first row, or of the rest,
+        whose work is other or whose error is larger."""
         enough = max(MARGIN * abs(self.rows[0].error or 0.0), ENOUGH if self.error_unit == "relative" else 0.0)
         others = [
             row for row in self.rows
-            if not row.ours and row.work == "equal" and row.median_ms and (abs(row.error or 0.0) <= enough) == alike
+            if not row.ours and row.median_ms
+            and (row.work == "equal" and abs(row.error or 0.0) <= enough) == alike
         ]  # fmt: skip
         return min(others, key=_time, default=None)
 

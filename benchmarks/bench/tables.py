@@ -16,7 +16,7 @@ HOW_MEASURED = (
 HEAD = ("#", "library", "way", "work", "CPU ms", "ratio", "error", "digits", "peak MB")
 
 
-HEADLINE = ("case", "ours, CPU ms", "fastest of equal work and error", "faster, less exact", "floor, ms")
+HEADLINE = ("case", "ours, CPU ms", "fastest of equal work and error", "faster, less exact or other work", "floor, ms")
 HOW_COMPARED = (
     "Beside a row stands its time over that of our first row: below 1 ours is not faster. Errors are equal where the "
     "other's is below 1e-10 (relative) or 1.25 times ours. The floor is what moving the bytes, or the flops, takes "
@@ -158,6 +158,8 @@ def _beside(case: CaseResult, peer: Row | None, said: str = " (**not faster**)")
     if best.ratio is not None:
         ratio /= best.ratio.median
         ratios += f", {ratio:.2f} of {best.name}"
+    if peer.work != "equal":
+        ratios += f" ({peer.note or 'as used'})"
     if peer.error:
         error = f"; error {number(peer.error, '.2g')}, ours {number(case.rows[0].error, '.2g')}"
     return f"{peer.label}: {ratios}{said if ratio < 0.97 else ''}{error}"

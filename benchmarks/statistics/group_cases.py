@@ -14,6 +14,7 @@ import pandas as pd
 from scipy import stats
 
 from benchmarks.bench.case import Case, Size, Way, peer
+from benchmarks.experts import two_samples
 from benchmarks.nist import Exact, Numbers, Run, worst_error
 from benchmarks.statistics import group_peers
 from benchmarks.stress import exact_tests
@@ -148,7 +149,7 @@ def group_cases(size: Size) -> Iterator[Case]:
         yield _case(
             f"exact Mann-Whitney of 10 and 10, {title}, {len(values)} x 3 pairs",
             len(values),
-            lambda x=values: {"p": mann_whitney(x).p},
+            lambda x=values: _mann_whitney(x),
             peers(values),
             lambda x=values: _exact_designs(_exact_mann_whitney, x[:3]),
         )
@@ -165,16 +166,13 @@ def many_values(size: Size) -> Iterator[Case]:
             n,
             "values",
             (
-                Way(
-                    "emg2vsa", "mann_whitney", lambda x=pair: mann_whitney(x).u[0, 0], "equal", "shift and interval too"
-                ),
-                Way(
-                    "scipy", "mannwhitneyu", lambda x=pair: stats.mannwhitneyu(*x).statistic, "as used", "U and p alone"
-                ),
+                Way("emg2vsa", "mann_whitney", lambda x=pair: _ours_of_two(x), "equal", "shift and interval too"),
+                Way("numpy", "expert: sorted, and secants", lambda x=pair: two_samples.of_large(*x), "equal"),
+                Way("scipy", "mannwhitneyu", lambda x=pair: _u_and_p(x), "as used", "U and p alone"),
             ),
-            lambda u, x=pair: abs(float(u) - _pairs_won(*x)),
-            "pairs of U",
-            "pairs counted in integers",
+            lambda found, x=pair: _off(found, *x),
+            "places",
+            "pairs counted in integers: how far U is off, and the shift from the middle of all differences",
             family,
         )
     for k in size.pick((4, 8), (10, 40, 160)):
@@ -208,6 +206,28 @@ def many_values(size: Size) -> Iterator[Case]:
         )
 
 
+def _ours_of_two(pair: np.ndarray) -> dict[str, float]:
+    found = mann_whitney(pair)
+    return {name: float(getattr(found, name)[0, 0]) for name in ("u", "p", "shift", "low", "high")}
+
+
+def _u_and_p(pair: np.ndarray) -> dict[str, float]:
+    found = stats.mannwhitneyu(*pair)
+    return {"u": float(found.statistic), "p": float(found.pvalue)}
+
+
+def _off(found: dict[str, float], x: np.ndarray, y: np.ndarray) -> float:
+    """Pairs that U is off, or places that the shift lies from the middle of all differences."""
+    off, middle = abs(found["u"] - _pairs_won(x, y)), x.size * y.size / 2
+    if "shift" in found:
+        ordered = np.sort(y)
+        before, upto = (
+            np.sum(y.size - np.searchsorted(ordered, x - found["shift"], side=side)) for side in ("right", "left")
+        )
+        off = max(off, float(before) - middle, middle - float(upto))
+    return off
+
+
 def _pairs_won(x: np.ndarray, y: np.ndarray) -> float:
     """Pairs whose first value is the larger; values without ties."""
     return float(np.sum(np.searchsorted(np.sort(y), x)))
@@ -238,6 +258,11 @@ def _kruskal(scores: np.ndarray) -> Numbers:
     return {"H": found.h, "p": found.p, "p Dunn": dunn(found).p}
 
 
+def _mann_whitney(values: np.ndarray) -> Numbers:
+    found = mann_whitney(values)
+    return {"p": found.p, "shift": found.shift}
+
+
 def _exact_designs(exact: Callable[[exact_tests.Groups], Mapping[str, Any]], designs: np.ndarray) -> Exact:
     """A number of each design, or one of each of its pairs."""
     found: dict[str, dict[Any, Any]] = {}
@@ -254,7 +279,8 @@ def _exact_anova(groups: exact_tests.Groups) -> Mapping[str, Any]:
 
 
 def _exact_mann_whitney(groups: exact_tests.Groups) -> Mapping[str, Any]:
-    return {"p": [exact_tests.mann_whitney(*pair)["p"] for pair in combinations(groups, 2)]}
+    found = [exact_tests.mann_whitney(*pair) for pair in combinations(groups, 2)]
+    return {name: [each[name] for each in found] for name in ("p", "shift")}
 
 
 def _exact_tukey(design: np.ndarray, pair: int) -> Any:

@@ -11,7 +11,7 @@ import pandas as pd
 from scipy import stats
 
 from benchmarks.bench.case import Way, peer
-from benchmarks.experts import ranks
+from benchmarks.experts import ranks, two_samples
 from benchmarks.nist import looped
 
 statsmodels_api, statsmodels_formula = peer("statsmodels.api"), peer("statsmodels.formula.api")
@@ -92,7 +92,13 @@ def _kruskal_and_dunn(both: tuple[np.ndarray, pd.DataFrame]) -> dict[str, Any]:
 
 
 def mann_whitney_untied(scores: np.ndarray) -> Iterator[Way]:
+    first, second = scores[:, [0, 0, 1]], scores[:, [1, 2, 2]]
+    yield Way("numpy", "expert: all pairs", lambda: _rows(two_samples.exact_of_pairs(first, second)), "equal")
     yield Way("scipy", "mannwhitneyu exact, loop", looped(_exact, scores), "as used", P_ALONE)
+
+
+def _rows(found: dict[str, Any]) -> dict[str, Any]:
+    return {"p": found["p"], "shift": found["shift"]}
 
 
 def mann_whitney_tied(scores: np.ndarray) -> Iterator[Way]:

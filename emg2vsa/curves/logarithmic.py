@@ -230,7 +230,7 @@ def said_of_forces(force_n: Floats) -> list[str]:
 def _t_quantile(dof: NDArray[np.int64] | Floats, confidence: float) -> Floats | float:
     """Student t (k,), or one for all, of a two-sided interval; NaN where dof is 0."""
     if dof.size and dof[0] > 0 and np.count_nonzero(dof == dof[0]) == dof.size:
-        return special.stdtrit(dof[0], 0.5 + 0.5 * confidence)
+        return float(special.stdtrit(int(dof[0]), 0.5 + 0.5 * confidence))
     distinct, where = np.unique(dof, return_inverse=True)
     quantile = special.stdtrit(np.where(distinct > 0, distinct, np.nan), 0.5 + 0.5 * confidence)
     return np.asarray(quantile, dtype=np.float64)[where]

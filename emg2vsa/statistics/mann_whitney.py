@@ -23,8 +23,8 @@ MOST_EXACT = 100
 """Values of both groups together up to which counting is done."""
 _FEW = 1 << 14
 """Differences of a pair that are sorted together with those of all other pairs."""
-_MANY = 1 << 18
-"""Differences that are sorted at once."""
+_A_VALUE, _MANY = 2, 1 << 18
+"""Differences that are sorted at once, for each value of a larger pair and at most: a further count costs as much."""
 
 
 @dataclass(frozen=True)
@@ -195,8 +195,6 @@ def differences_at(left: Floats, right: Floats, places: Ints) -> Floats:
 
 def _at(x: Floats, y: Floats, places: Ints) -> Floats:
     """Differences of the sorted ``x``, ``y`` at ``places`` (p,)."""
-    if x.size * y.size <= _MANY:
-        return np.asarray(np.partition(np.subtract.outer(x, y).ravel(), np.unique(places))[places])
     samples = _Samples.of(x, y)
     found, window = np.empty(places.size), None
     for k in np.argsort(places).tolist():
@@ -256,17 +254,27 @@ class _Window:
 
 
 def _window(samples: _Samples, place: int) -> _Window:
-    """The differences around ``place``: the range is halved until few enough are left in it to be sorted."""
+    """The differences around ``place``: the range narrows by secants of the last two counts, or is halved where these
+    took little away, until few enough are left in it to be sorted."""
     least, most = samples.x[0] - samples.y[-1], samples.x[-1] - samples.y[0]
     every = int(samples.x_count.sum() * samples.y_count.sum())
     low = _Cut(float(np.nextafter(least, -np.inf)), np.full(samples.x.size, samples.y.size), 0)
     high = _Cut(float(most), np.zeros(samples.x.size, dtype=np.int64), every)
-    while np.sum(low.at - high.at) > _MANY:
-        middle = low.v + (high.v - low.v) / 2
+    middle, before = low.v + (high.v - low.v) / 2, low
+    few = min(_A_VALUE * (samples.x.size + samples.y.size), _MANY)
+    while np.sum(low.at - high.at) > few:
         if not low.v < middle < high.v:
-            break
-        cut = samples.up_to(middle)
+            middle = low.v + (high.v - low.v) / 2
+            if not low.v < middle < high.v:
+                break
+        cut, held = samples.up_to(middle), high.count - low.count
         low, high = (cut, high) if cut.count <= place else (low, cut)
+        # past the place, so that the other end comes nearer, too
+        goal = place + np.sign(place - cut.count + 0.5) * max(few // 4, abs(place - cut.count) // 16)
+        rise, middle = cut.count - before.count, np.nan
+        if rise and high.count - low.count < 0.9 * held:
+            middle = cut.v + (goal - cut.count) * ((cut.v - before.v) / rise)
+        before = cut
     return _sorted_between(samples, low, high)
 
 

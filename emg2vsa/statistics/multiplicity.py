@@ -23,7 +23,7 @@ def adjust(p: ArrayLike, method: Adjustment) -> Floats:
     if np.count_nonzero(missing):
         m = m - np.count_nonzero(missing, axis=-1, keepdims=True)
     if method == "bonferroni":
-        return np.minimum(values * m, 1.0)
+        return np.asarray(np.minimum(values * m, 1.0))
     order = np.argsort(values, axis=-1)  # NaN last
     ordered, rank = np.take_along_axis(values, order, axis=-1), np.arange(1, values.shape[-1] + 1)
     if method == "holm":
