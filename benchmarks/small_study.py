@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from casr.specimens import SPECIMENS
 
-_A_V = {"S1": "42e-6", "S3": "28e-6", "S5": "16e-6"}
-_B_V = {"S1": "20e-6", "S3": "13e-6", "S5": "7e-6"}
+PAPER = {
+    "S1": (str(SPECIMENS["S1"]), "42e-6", "20e-6"),
+    "S3": (str(SPECIMENS["S3"]), "28e-6", "13e-6"),
+    "S5": (str(SPECIMENS["S5"]), "16e-6", "7e-6"),
+}
+"""Stiffness, N/mm, a and b, V, of each specimen, as the file writes them."""
 
 SIMULATED_SESSION = 'emg.kind = "simulated"\nforce.kind = "simulated"\n'
 """Keys of a table [session] whose devices are emulated."""
@@ -18,7 +22,8 @@ def small_study(
     name: str = "small",
     title: str = "A small study",
     participants: Sequence[str] = ("P01", "P02"),
-    specimens: Sequence[str] = ("S1", "S3", "S5"),
+    specimens: Sequence[str] | None = None,
+    laws: Mapping[str, tuple[str, str, str]] = PAPER,
     muscles: Sequence[str] = ("EDC", "FDS"),
     task: str = "palpation",
     simulation: str = "seed = 3\nrepetitions = 3\n",
@@ -26,12 +31,13 @@ def small_study(
 ) -> str:
     """The text of a study file.
 
-    simulation : lines of its [simulation] beside the true a and b. tables : further tables, such as [window].
+    specimens : names in ``laws``, all if None; laws : as ``PAPER``. simulation : lines of its [simulation] beside the true a and b. tables : further tables, such as [window].
     """
-    pressed = "".join(f'[[specimens]]\nname = "{one}"\nstiffness_n_per_mm = {SPECIMENS[one]}\n' for one in specimens)
+    used = {one: laws[one] for one in specimens or laws}
+    pressed = "".join(f'[[specimens]]\nname = "{one}"\nstiffness_n_per_mm = {law[0]}\n' for one, law in used.items())
     truth = "".join(
-        f"{key} = {{ {', '.join(f'{one} = {values[one]}' for one in specimens)} }}\n"
-        for key, values in (("a_v", _A_V), ("b_v", _B_V))
+        f"{key} = {{ {', '.join(f'{one} = {law[i]}' for one, law in used.items())} }}\n"
+        for i, key in enumerate(("a_v", "b_v"), 1)
     )
     people = ", ".join(f'"{one}"' for one in participants)
     channels = "".join(f'[channels.emg.{one}]\nname = "{one}"\n' for one in muscles)

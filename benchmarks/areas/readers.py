@@ -18,6 +18,7 @@ import pandas as pd
 import scipy.io
 
 from benchmarks.bench.case import Area, Case, Size, Way, peer
+from benchmarks.experts import files
 from benchmarks.made_recordings import xdf_stream
 
 NAMES = ("EDC", "FDS", "Fz")
@@ -127,7 +128,10 @@ def one_channel(size: Size) -> Iterator[Case]:
     folder, n = _folder(), size.pick(7_000, 70_000)
     truth = made_samples(n)
     path = write_bdf(folder, truth)
-    ways = [Way("emg2vsa", "read, one channel", lambda: _ours(path, ("Fz",)), "equal", CHILD)]
+    ways = [
+        Way("emg2vsa", "read, one channel", lambda: _ours(path, ("Fz",)), "equal", CHILD),
+        Way("numpy", EXPERT, lambda: files.edf(path, ("Fz",)), "equal", "no annotations, no child process"),
+    ]
     if edfio := peer("edfio"):
         ways.append(Way("edfio", "get_signal", lambda: {"Fz": edfio.read_bdf(path).get_signal("Fz").data}, "equal"))
     if mne := peer("mne"):
@@ -176,6 +180,7 @@ def video(size: Size) -> Iterator[Case]:
     )
 
 
+EXPERT = "expert: bytes of one read"
 CHILD = "in the child process, whose processor time counts"
 
 
@@ -220,6 +225,7 @@ def _ours(path: Path, names: tuple[str, ...] = NAMES, stream: str = "") -> Sampl
 def _edf_peers(path: Path) -> Iterator[Way]:
     """Of EDF and of BDF."""
     kind = path.suffix[1:]
+    yield Way("numpy", EXPERT, lambda: files.edf(path, NAMES), "equal", "no annotations, no child process")
     if edfio := peer("edfio"):
         own = getattr(edfio, f"read_{kind}")
         yield Way("edfio", f"read_{kind}", lambda: _edfio(own(path)), "equal", "no checks of the file")
@@ -240,6 +246,7 @@ def _csv_peers(path: Path) -> Iterator[Way]:
     def samples(table: np.ndarray) -> Samples:
         return dict(zip(NAMES, table.T[1:], strict=True))
 
+    yield Way("pandas", "expert: columns by the parser in C", lambda: files.csv(path, NAMES), "equal", "no units")
     yield Way("numpy", "loadtxt", lambda: samples(np.loadtxt(path, delimiter=",", skiprows=1)), "equal", PLAIN)
     if pandas := peer("pandas"):
         yield Way("pandas", "read_csv", lambda: samples(pandas.read_csv(path).to_numpy()), "equal", PLAIN)
@@ -324,6 +331,7 @@ AREA = Area(
         "difference between their own rows and ours in this process is what checks, units and a copy that may be "
         "changed cost; the difference to the first row is the child process, which keeps a decoder that crashes or "
         "never ends away from a run (decision 19). An error of the size of one quantum of the format (BDF 6e-8, EDF "
-        "2e-5 of the range) is that of the file."
+        "2e-5 of the range) is that of the file. C3D, MATLAB, TDMS, XDF and video have no row of an expert: the "
+        "formats' own libraries decode them, and ours uses the same."
     ),
 )

@@ -53,7 +53,8 @@ SCORING = Area(
     parts=(part_of("benchmarks.tactile.press_scores", "scoring_cases"),),
     peers={},
     meaning=(
-        "No other library scores such presses: all ways are ours. The front is followed in every frame; the skin "
+        "No other library scores such presses, and no expert's lines do equal work: all ways are ours. The front is "
+        "followed in every frame; the skin "
         "of the first contact, the paper's way, is stretched by the flow. Time grows with the number of frames."
     ),
 )

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from benchmarks.scale.people import measure, run
+from benchmarks.small_study import small_study
 
 PEOPLE = ("P01", "P02", "P03", "P04")
 HARDEST, SOFTEST = 10.0, 1.0
@@ -30,35 +31,9 @@ def measured(folder: Path, count: int) -> dict[str, Any]:
 
 
 def _text(count: int) -> str:
-    stiffness = {
-        f"M{index + 1:03d}": HARDEST * (SOFTEST / HARDEST) ** (index / max(count - 1, 1)) for index in range(count)
+    stiffness = [HARDEST * (SOFTEST / HARDEST) ** (index / max(count - 1, 1)) for index in range(count)]
+    laws = {
+        f"M{index:03d}": (f"{value:.4f}", f"{4e-6 * value:.4g}", f"{2e-6 * value:.4g}")
+        for index, value in enumerate(stiffness, 1)
     }
-    pressed = "".join(
-        f'[[specimens]]\nname = "{name}"\nstiffness_n_per_mm = {value:.4f}\n' for name, value in stiffness.items()
-    )
-    a_v = ", ".join(f"{name} = {4e-6 * value:.4g}" for name, value in stiffness.items())
-    b_v = ", ".join(f"{name} = {2e-6 * value:.4g}" for name, value in stiffness.items())
-    people = ", ".join(f'"{one}"' for one in PEOPLE)
-    return f"""\
-[study]
-name = "many"
-title = "Many specimens"
-[participants]
-ids = [{people}]
-{pressed}[recordings]
-layout = "bids"
-root = "data"
-task = "press"
-[channels.emg.EDC]
-name = "EDC"
-[channels.emg.FDS]
-name = "FDS"
-[channels.force]
-name = "Fz"
-sign = -1
-[simulation]
-seed = 3
-repetitions = 3
-a_v = {{ {a_v} }}
-b_v = {{ {b_v} }}
-"""
+    return small_study(name="many", title="Many specimens", participants=PEOPLE, laws=laws, task="press")

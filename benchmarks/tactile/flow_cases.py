@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.bench.case import Case, Size, Way, Work
+from benchmarks.experts import contacts
 from benchmarks.tactile.flow_pairs import FlowPair, contact_pair
 from benchmarks.tactile.flow_scores import (
+    LOG_GROWTH,
     LOOKS,
     RADII_PITCHES,
     GrowingContact,
@@ -18,11 +20,13 @@ from benchmarks.tactile.flow_scores import (
     error_of_pair,
     growing_contact,
     growth_error_percent,
+    percent_error,
     root_mean_square,
     worst,
 )
 from benchmarks.tactile.methods import Method, dense, on_pins
 from casr.flow.estimate import ENGINES, FlowSettings, FlowTracker
+from casr.pins import PinTracker
 from emg2vsa.worlds.tactile import TACTIP_127
 
 MOTIONS_PX = (0.25, 1.0, 3.0, 6.0)
@@ -97,6 +101,9 @@ def growth_cases(size: Size) -> Iterator[Case]:
                 )
                 for engine in ENGINES
             )  # fmt: skip
+            name, note = "expert: PyrLK on pins, affine", "told the pins and their first places"
+            error = partial(_worst_of_patches, radius, look, seeds)
+            ways += (Way("OpenCV", name, partial(_by_patches, radius, look), "equal", note, error),)
             yield Case(
                 f"growth of a {look} contact of {radius:g} pitches", 10, "steps from frame to frame", ways, None,
                 "worst, % of the growth", "ln of the ratio of areas that the frames were drawn with",
@@ -108,6 +115,23 @@ def _followed(engine: str, radius: float, look: str) -> float:
     tracker = FlowTracker(FlowSettings(engine=engine))
     tracker.start(contact.frames[0], contact.region)
     return sum(tracker.step(frame).log_growth for frame in contact.frames[1:])
+
+
+def _by_patches(radius: float, look: str, power: int = 1, seed: int = 0) -> float:
+    return contacts.growth(_contact(radius, look, power, seed).frames, _pins_inside(radius, look, power, seed))
+
+
+@cache
+def _pins_inside(radius: float, look: str, power: int, seed: int) -> np.ndarray:
+    """Places (n, 2) of the contact's pins in its first frame, told to the expert."""
+    contact = _contact(radius, look, power, seed)
+    places = PinTracker().start(contact.frames[0]).centroids_px
+    return np.asarray(places[contact.region.contains(places)])
+
+
+def _worst_of_patches(radius: float, look: str, seeds: int, _: float) -> float:
+    every = [_by_patches(radius, look, power, seed) for power in (1, 2) for seed in range(seeds)]
+    return worst([float(percent_error(one, LOG_GROWTH)) for one in every])
 
 
 @cache

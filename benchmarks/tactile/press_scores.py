@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.bench.case import Case, Size, Way
+from benchmarks.experts import contacts
 from benchmarks.tactile.flow_scores import percent_error
 from casr.contact_area import RULES, initial_area
 from casr.errors import CasrError, FramesError
@@ -86,6 +87,7 @@ def area_cases(size: Size) -> Iterator[Case]:
             for rule in ("edge", "hexagon", "paper", "circle")
         ]
         ways.append(Way("OpenCV", "convexHull of moved pins", partial(_hulls, presses), "equal"))
+        ways.append(Way("numpy", "expert: moments of moved pins", partial(_ellipses, presses), "equal"))
         yield Case(
             f"first area of contact at {angle:g} degrees", len(presses), "presses, pins known", tuple(ways),
             partial(_rms_percent, presses), "rms, % of the area", "the simulated contact's area",
@@ -110,6 +112,11 @@ def _settings(stiffness: float, angle: float, repetition: int) -> PressSettings:
 def _areas(presses: list[First], rule: str) -> np.ndarray:
     """px^2."""
     return np.array([initial_area(one.rest, one.contact_px, rule=rule).area_px2 for one in presses])
+
+
+def _ellipses(presses: list[First]) -> np.ndarray:
+    """px^2."""
+    return np.array([contacts.first_area(one.rest.centroids_px, one.contact_px, MOVED_PX) for one in presses])
 
 
 def _hulls(presses: list[First]) -> np.ndarray:

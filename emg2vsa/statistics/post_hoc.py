@@ -95,7 +95,7 @@ def student_quantile(df: Floats, probability: float) -> Floats | float:
 def student_pairs(
     method: str, difference: Floats, se: Floats, df: Floats, n: Ints, k: int, confidence: float
 ) -> PairDifferences:
-    """All pairs of k groups by Student's t (1908); difference, its standard error se, df and n : (d, q), or se (d, 1)."""
+    """All pairs of k groups by Student's t (1908); difference, its standard error se (or (d, 1)), df, n : (d, q)."""
     first, second = pair_numbers(k)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = difference / se
