@@ -31,7 +31,8 @@ def small_study(
 ) -> str:
     """The text of a study file.
 
-    specimens : names in ``laws``, all if None; laws : as ``PAPER``. simulation : lines of its [simulation] beside the true a and b. tables : further tables, such as [window].
+    specimens : names in ``laws``, all if None; laws : as ``PAPER``. simulation : lines of its [simulation] beside the
+    true a and b. tables : further tables, such as [window].
     """
     used = {one: laws[one] for one in specimens or laws}
     pressed = "".join(f'[[specimens]]\nname = "{one}"\nstiffness_n_per_mm = {law[0]}\n' for one, law in used.items())
