@@ -210,6 +210,7 @@ def run() -> None:
     sets = {
         "The gallery": list(folders_gallery.LABORATORIES.values()), "Kept apart": list(folders_apart.LABORATORIES),
         "Kept apart, later": list(folders_apart.LATER),
+        "Kept apart to the last": list(folders_apart.LAST),
     }  # fmt: skip
     for title, laboratories in sets.items():
         chosen = [each for each in laboratories if not names or each.name in names]

@@ -305,6 +305,95 @@ def _arduino(folder: Path) -> None:
             )
 
 
+def _copies(folder: Path) -> None:
+    """A folder a person; a file system numbered the further presses on an object."""
+    for person, who in enumerate(("Subject_07", "Subject_11", "Subject_12")):
+        (folder / who).mkdir()
+        for hardness, what in enumerate(("soft gel", "hard gel", "wood")):
+            for number in range(4):
+                emg, force_n = press(10 * person + number, hardness, 1000.0, presses=1)
+                table = np.column_stack([np.arange(force_n.size) / 1000, *(1e3 * emg), force_n])
+                name = f"{what}.csv" if number == 0 else f"{what} ({number}).csv"
+                head = "Time (s),FDS (mV),EDC (mV),Force (N)"
+                np.savetxt(folder / who / name, table, "%.6g", ",", header=head, comments="")
+
+
+def _adapter(folder: Path) -> None:
+    """Trigno Discover with a load cell on an analogue adapter, in volts, 5 N a volt, at a rate of its own."""
+    for person, who in enumerate(("001", "002", "003")):
+        for hardness, what in enumerate(("low", "mid", "high")):
+            emg, force_n = press(person + 6, hardness, 500.0, emg_fs_hz=2000.0)
+            head = ["Application:, Trigno Discover (1.5.0)", "Date/Time:, 4/12/2022 5:23:09 PM"]
+            head += [f"Collection Length (seconds):, {emg.shape[1] / 2000:.3f}", "FDS (1), EDC (2), Adapter (3), "]
+            head += ["sensor mode: 55, sensor mode: 55, sensor mode: 40, ", "EMG 1 (mV), EMG 1 (mV), ANALOG 3 (V)"]
+            head += ["2000.0000 Hz, 2000.0000 Hz, 500.0000 Hz"]
+            rows = [
+                f"{a:.6g}, {b:.6g}, {force_n[i] / 5:.6g}" if i < force_n.size else f"{a:.6g}, {b:.6g}, "
+                for i, (a, b) in enumerate((1e3 * emg).T.tolist())
+            ]
+            (folder / f"sub{who}_{what}.csv").write_text("\r\n".join([*head, *rows]) + "\r\n", newline="")
+
+
+def _hdf5(folder: Path) -> None:
+    """OpenSignals HDF5, a hub of three channels of counts, of which 100 are a newton."""
+    import h5py
+
+    for person, who in enumerate(("maria", "nils", "olga")):
+        for hardness, what in enumerate(("sponge", "eraser", "cork")):
+            emg, force_n = press(person + 6, hardness, 1000.0)
+            counts = [*np.round(emg * 1000 / 3 * 65536 + 32768), np.round(2000 + 100 * force_n)]
+            with h5py.File(folder / f"{who}_{what}.h5", "w") as file:
+                device = file.create_group("00:07:80:3B:46:58")
+                facts = {"sampling rate": 1000, "device": "biosignalsplux", "date": "2024-1-2", "time": "3:4:5.6"}
+                device.attrs.update(facts)
+                device["raw/nSeq"] = np.arange(force_n.size, dtype="u4")[:, None]
+                for i, each in enumerate(counts, 1):
+                    device[f"raw/channel_{i}"] = each.clip(0, 65535).astype("u2")[:, None]
+
+
+def _glued(folder: Path) -> None:
+    """C3D of a gait laboratory: initials with a date for folders, objects with a number glued to their name."""
+    import ezc3d
+
+    for person, who in enumerate(("2024-03-01_JD", "2024-03-04_KM", "2024-03-05_LW")):
+        (folder / who).mkdir()
+        for hardness, what in enumerate(("Foam01", "Gel01", "Rubber01")):
+            emg, force_n = press(person + 6, hardness, 1000.0)
+            n = force_n.size // 10 * 10
+            file = ezc3d.c3d()
+            file["parameters"]["POINT"]["RATE"]["value"] = [100.0]
+            file["parameters"]["ANALOG"]["RATE"]["value"] = [1000.0]
+            file["parameters"]["ANALOG"]["LABELS"]["value"] = ["Force.Fx1", "Force.Fz1", "EMG.1", "EMG.2"]
+            file["parameters"]["ANALOG"]["UNITS"]["value"] = ["N", "N", "V", "V"]
+            file["data"]["points"] = np.zeros((4, 0, n // 10))
+            file["data"]["analogs"] = np.stack([0.03 * force_n, -force_n, *emg])[None, :, :n]
+            file.write(str(folder / who / f"{what}.c3d"))
+
+
+def _numbers(folder: Path) -> None:
+    """Names of numbers alone: participant, object, trial."""
+    for person in range(1, 4):
+        for hardness in range(3):
+            for trial in range(1, 5):
+                emg, force_n = press(10 * person + trial, hardness, 1000.0, presses=1)
+                table = np.column_stack([1e3 * np.arange(force_n.size) / 1000, *(1e3 * emg), -force_n])
+                head = "time_ms;FDS_mV;EDC_mV;Fz_N"
+                name = f"{person:02d}_{hardness + 1}_{trial}.txt"
+                np.savetxt(folder / name, table, "%.6g", ";", header=head, comments="")
+
+
+def _with_mvc(folder: Path) -> None:
+    """A maximum contraction and a rest of each person lie beside the presses."""
+    for person, who in enumerate(("P1", "P2", "P3")):
+        for hardness, what in enumerate(("soft", "medium", "stiff", "mvc", "rest")):
+            emg, force_n = press(person + 6, min(hardness, 2), 1000.0)
+            if what in ("mvc", "rest"):
+                emg, force_n = emg[:, :3000] * (20 if what == "mvc" else 1), 0.01 * force_n[:3000]
+            table = np.column_stack([np.arange(force_n.size) / 1000, *(1e3 * emg), force_n])
+            head = "time (s),FDS (mV),EDC (mV),Fz (N)"
+            np.savetxt(folder / f"{who}_{what}.csv", table, "%.6g", ",", header=head, comments="")
+
+
 def _laboratory(
     make: Callable[[Path], None], what: str, objects: str, emg: Mapping[str, str], force: str, emg_unit: str = "V",
     force_unit: str = "N", **more: Any,
@@ -367,3 +456,16 @@ LATER = (
                 {"myoware1": "FDS", "myoware2": "EDC"}, "hx711", "uV", "gf", muscles=3.4),
 )  # fmt: skip
 """Six more, made after `new` had been mended by the ten, and before it was tried on them."""
+
+LAST = (
+    _laboratory(_copies, "a folder a person, copies numbered by the file system", "soft hard wood", _NAMED, "Force", "mV"),
+    _laboratory(_adapter, "Discover with a load cell in volts", "low mid high",
+                {"EMG 1": "FDS", "EMG 1 #2": "EDC"}, "ANALOG 3", "mV", "5"),
+    _laboratory(_hdf5, "OpenSignals HDF5 of counts", "sponge eraser cork", {"CH1": "FDS", "CH2": "EDC"}, "CH3", "uV",
+                "0.01", muscles=1.7 * 1000 / 3 * 65536 * 1e-6),
+    _laboratory(_glued, "C3D, dates with initials, numbers glued to objects", "Foam01 Gel01 Rubber01",
+                {"EMG.1": "FDS", "EMG.2": "EDC"}, "Force.Fz1", down=True),
+    _laboratory(_numbers, "names of numbers alone", "1 2 3", _NAMED, "Fz", "mV", down=True),
+    _laboratory(_with_mvc, "maximum contractions beside the presses", "soft medium stiff", _NAMED, "Fz", "mV"),
+)  # fmt: skip
+"""Six that `new` met last: it was not changed for them."""
