@@ -458,7 +458,7 @@ LATER = (
 """Six more, made after `new` had been mended by the ten, and before it was tried on them."""
 
 LAST = (
-    _laboratory(_copies, "a folder a person, copies numbered by the file system", "soft hard wood", _NAMED, "Force", "mV"),
+    _laboratory(_copies, "a folder a person, copies numbered by the system", "soft hard wood", _NAMED, "Force", "mV"),
     _laboratory(_adapter, "Discover with a load cell in volts", "low mid high",
                 {"EMG 1": "FDS", "EMG 1 #2": "EDC"}, "ANALOG 3", "mV", "5"),
     _laboratory(_hdf5, "OpenSignals HDF5 of counts", "sponge eraser cork", {"CH1": "FDS", "CH2": "EDC"}, "CH3", "uV",

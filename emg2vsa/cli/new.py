@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import sys
 from collections.abc import Callable
@@ -59,6 +60,9 @@ def run(arguments: argparse.Namespace) -> int:
     if not folder.is_dir():
         raise SettingError(folder, wanted="a folder of recordings", found="no folder", do="Check the path.")
     page = out.with_suffix(".html")
+    if page == out:
+        do = "Choose another name with --out."
+        raise SettingError(out, wanted="a name such as study.toml", found="that of a page", do=do)
     for file in (out, page):
         if file.exists() and not (file == page and is_draft_page(page)):
             do = "Choose another name with --out, or move the file away."
@@ -67,7 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
     stiffness, reading, presses = stiffness_of(arguments.stiffness), reading_of(arguments, "new"), None
     found = look(folder, recordings_in([folder]), out.parent, reading, arguments.fs, stiffness)
     stiffness = by_specimen(stiffness, found.specimens)
-    if arguments.ask or (sys.stdin.isatty() and not (arguments.no_questions or arguments.json)):
+    is_terminal = sys.stdin is not None and sys.stdin.isatty()
+    if arguments.ask or (is_terminal and not (arguments.no_questions or arguments.json)):
         print(f"{found.named} recordings. Enter takes the guess in brackets; Ctrl-C writes nothing.", file=sys.stderr)
         found, stiffness, presses = ask_about(found, stiffness, _asked)
     text = found.text(arguments.name or study_name(folder), stiffness, presses)
@@ -117,9 +122,11 @@ def _asked(question: str, guess: str, parse: Callable[[str], _T], wanted: str) -
     from emg2vsa.errors import SettingError
 
     print(f"\n{question}{f' (Enter: {guess})' if guess else ''}", file=sys.stderr)
+    if isinstance(sys.stdin, io.TextIOWrapper):
+        sys.stdin.reconfigure(errors="replace")  # what cannot be decoded is a wrong answer
     while True:
         print("> ", end="", file=sys.stderr, flush=True)
-        line = sys.stdin.readline()
+        line = sys.stdin.readline() if sys.stdin is not None else ""
         if not line:
             do = "Answer on a terminal, or give a line for each question. Nothing was written."
             raise SettingError("--ask", wanted="an answer to every question", found="the end of the input", do=do)

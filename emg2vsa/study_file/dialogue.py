@@ -104,7 +104,7 @@ def _ask_muscles(found: Found, ask: Ask) -> Found:
             return dict(channels)
         pairs = [re.fullmatch(r"(.+)=(\w+)", word) for word in re.split(r"[\s,;]+", text)]
         told = {pair[2]: channels[_by_number(pair[1], names)] for pair in pairs if pair}
-        if None in pairs or len(told) < len(pairs):
+        if None in pairs or len({channel.name for channel in told.values()}) < len(pairs):
             raise ValueError
         return told
 

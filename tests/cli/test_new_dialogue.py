@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -73,7 +75,7 @@ def test_units_and_rates_that_no_file_states(tmp_path: Path, monkeypatch: pytest
 def test_a_wrong_answer_gets_one_sentence_and_another_try(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Screen
 ) -> None:
-    typed = "carl|yes|3|Fy||1|3=FDS|1=FDS 2=FDS||volts||sideways||-6|six|inf|||ten|0|"
+    typed = "carl|yes|3|Fy||1|3=FDS|1=FDS 2=FDS|1=FDS A1=EDC||volts||sideways||-6|six|inf|||ten|0|"
     answers = typed.split("|")
     assert new(folder_of(tmp_path), monkeypatch, *answers) == 0
     told = [line for line in capsys.readouterr().err.splitlines() if "Expected" in line]
@@ -81,7 +83,10 @@ def test_a_wrong_answer_gets_one_sentence_and_another_try(
         "> Expected yes, or a part of the files' names, but found 'carl'.",
         "> Expected a number from 1 to 2, or a name, but found '3'.",
         "> Expected a number from 1 to 2, or a name, but found 'Fy'.",
-        *(f"> Expected pairs such as 1=FDS 2=EDC, but found {text!r}." for text in ("1", "3=FDS", "1=FDS 2=FDS")),
+        *(
+            f"> Expected pairs such as 1=FDS 2=EDC, but found {text!r}."
+            for text in ("1", "3=FDS", "1=FDS 2=FDS", "1=FDS A1=EDC")
+        ),
         "> Expected V, mV or uV, but found 'volts'.",
         "> Expected raises or lowers, but found 'sideways'.",
         *(f"> Expected a number above 0, such as 7.63, but found {text!r}." for text in ("-6", "six", "inf")),
@@ -98,6 +103,22 @@ def test_the_end_of_the_input_leaves_nothing(
     end = "--ask: expected an answer to every question, but found the end of the input. Answer on a terminal,"
     assert end in capsys.readouterr().err
     assert set(tmp_path.iterdir()) == before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the shell there has other signs")
+@pytest.mark.parametrize("feed", ["<&-", "< /dev/null", "<<< $'\\xff'"])
+def test_no_input_and_no_text_are_told(feed: str, tmp_path: Path) -> None:
+    command = f"{sys.executable} -m emg2vsa.cli new {folder_of(tmp_path)} --ask {feed}"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "expected an answer to every question, but found the end of the input" in done.stderr
+    assert ("Expected yes, or a part of the files' names, but found" in done.stderr) == ("xff" in feed)
+    assert not (tmp_path / "study.toml").exists()
+
+
+def test_a_study_file_is_no_page(tmp_path: Path, capsys: Screen) -> None:
+    assert main(["new", str(folder_of(tmp_path)), "--out", str(tmp_path / "a.html")]) == 2
+    assert "a.html: expected a name such as study.toml, but found that of a page" in capsys.readouterr().err
 
 
 def test_ctrl_c_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Screen) -> None:
