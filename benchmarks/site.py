@@ -26,6 +26,8 @@ QUERIES = ("sign = -1", "sample recordings", "docker", "watchdog", "install", "m
 _FOUND = """axe.run(document, {resultTypes: ["violations"]}).then(
   found => found.violations.map(rule => [`${rule.id} (${rule.impact})`, rule.nodes.length]))"""
 
+_DRAWN = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(() => done(1))))"
+
 
 class Quiet(SimpleHTTPRequestHandler):
     def log_message(self, *_: object) -> None:
@@ -50,6 +52,7 @@ def violations(window: Window, address: str, axe: str) -> list[Counter[str]]:
     found = []
     for width, scheme in LOOKS:
         window.size(width, 900, scheme)
+        window.value(_DRAWN)
         found.append(Counter(dict(window.value(_FOUND))))
     return found
 

@@ -157,7 +157,8 @@ def _expect(path: Path, key: str, found: object, wanted: str, holds: bool) -> No
         raise DataError(f"{path}, {key}", wanted=wanted, found=repr(found), do=_AGAIN)
 
 
-def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
+def _settings(path: Path, document: dict[str, Any]) -> CalibrationSettings:
+    """DataError : quantity, unit or a setting is out of its range."""
     settings = CalibrationSettings(**document["settings"])
     _expect(path, "quantity", document["quantity"], " or ".join(ALGORITHMS), document["quantity"] in ALGORITHMS)
     _expect(path, "area_unit", document["area_unit"], "mm2 or px2", document["area_unit"] in ("mm2", "px2"))
@@ -167,6 +168,11 @@ def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
         _expect(path, f"settings, {name}", value, f"0 to below {high:g}", 0 <= value < high)
     ways = WAYS[settings.law] if settings.law in LAWS else ()
     _expect(path, "settings", settings.law, "a law that can be fitted", settings.minimise in ways)
+    return settings
+
+
+def _calibration_of(document: dict[str, Any], path: Path) -> OnlineCalibration:
+    settings = _settings(path, document)
     forces = np.array(document["force_n"]["judged_at"], dtype=np.float64)
     start_n = float(document["force_n"]["start"])
     rise = forces.ndim == 1 and forces.size > 0 and bool(np.all(np.diff([start_n, *forces]) > 0)) and start_n > 0

@@ -11,11 +11,16 @@ addEventListener("DOMContentLoaded", () => {
     heading.textContent = "Search";
     document.querySelector("article")?.prepend(heading);
   }
-  const reach = () =>
-    document.querySelectorAll("article pre, article .table-wrapper").forEach((box) => {
+  document.querySelectorAll("thead th").forEach((cell) => {
+    // a corner heads nothing
+    if (!cell.textContent.trim()) cell.replaceWith(document.createElement("td"));
+  });
+  // what scrolls is reached by keyboard
+  const watcher = new ResizeObserver((seen) =>
+    seen.forEach(({ target: box }) => {
       if (box.scrollWidth > box.clientWidth) box.tabIndex = 0;
       else box.removeAttribute("tabindex");
-    });
-  reach();
-  addEventListener("resize", reach);
+    }),
+  );
+  document.querySelectorAll("article pre, article .table-wrapper").forEach((box) => watcher.observe(box));
 });

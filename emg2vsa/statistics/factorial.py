@@ -62,24 +62,7 @@ def factorial(values: ArrayLike, factors: Mapping[str, Sequence[object]], confid
     coded = [_coding(level, size) for level, size in zip(levels, sizes, strict=True)]
     terms = [term for k in range(1, len(sizes) + 1) for term in combinations(range(len(sizes)), k)]
     columns = {term: _product([coded[factor] for factor in term]) for term in terms}
-    root = np.sqrt(count)[:, None]
-
-    def explained(of: Sequence[tuple[int, ...]]) -> tuple[Floats, Floats]:
-        """Directions (cells, rank) that the terms span, and the cell means along them."""
-        model = root * np.concatenate([np.ones((cell.size, 1)), *(columns[term] for term in of)], axis=1)
-        left, singular, _ = np.linalg.svd(model, full_matrices=False)
-        basis = left[:, singular > _DEPENDENT * singular[0]]
-        return basis, basis.T @ (root[:, 0] * mean)
-
-    squares, df = np.empty(len(terms)), np.empty(len(terms), dtype=np.int64)
-    for i, term in enumerate(terms):
-        without = [other for other in terms if not set(term) <= set(other)]
-        basis, along = explained(without)
-        rest = root[:, 0] * mean - basis @ along
-        wider, _ = explained([*without, term])
-        squares[i] = np.sum((wider.T @ rest) ** 2)
-        df[i] = wider.shape[1] - basis.shape[1]
-    squares[df == 0] = 0.0
+    squares, df = _type_2(terms, columns, mean, count)
     n, within = int(count.sum()), float(groups.squares.sum())
     error_df = n - cell.size
     defined = (df > 0) & (error_df > 0)
@@ -98,6 +81,34 @@ def factorial(values: ArrayLike, factors: Mapping[str, Sequence[object]], confid
         high=high,
         error_df=error_df,
     )
+
+
+def _type_2(
+    terms: Sequence[tuple[int, ...]], columns: Mapping[tuple[int, ...], Floats], mean: Floats, count: Floats
+) -> tuple[Floats, Ints]:
+    """Sum of squares (t,) and degrees of freedom (t,) of each term beside all terms that do not contain it.
+
+    columns : (c, k) contrasts of each term. mean, count : (c,) of the cells.
+    """
+    root = np.sqrt(count)[:, None]
+
+    def explained(of: Sequence[tuple[int, ...]]) -> tuple[Floats, Floats]:
+        """Directions (cells, rank) that the terms span, and the cell means along them."""
+        model = root * np.concatenate([np.ones((mean.size, 1)), *(columns[term] for term in of)], axis=1)
+        left, singular, _ = np.linalg.svd(model, full_matrices=False)
+        basis = left[:, singular > _DEPENDENT * singular[0]]
+        return basis, basis.T @ (root[:, 0] * mean)
+
+    squares, df = np.empty(len(terms)), np.empty(len(terms), dtype=np.int64)
+    for i, term in enumerate(terms):
+        without = [other for other in terms if not set(term) <= set(other)]
+        basis, along = explained(without)
+        rest = root[:, 0] * mean - basis @ along
+        wider, _ = explained([*without, term])
+        squares[i] = np.sum((wider.T @ rest) ** 2)
+        df[i] = wider.shape[1] - basis.shape[1]
+    squares[df == 0] = 0.0
+    return squares, df
 
 
 def _codes(factors: Mapping[str, Sequence[object]], there: np.ndarray) -> tuple[list[Ints], list[int]]:

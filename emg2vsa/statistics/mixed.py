@@ -90,23 +90,7 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
     """
     y, unit, origin = _checked(values)
     n_p, n_s, n_r = y.shape
-    # a cell is centred on its own first value: equal decimals then do not differ by the rounding of their mean
-    inner_mean = (y - y[..., :1]).sum(axis=2) / n_r
-    cell = y[..., 0] + inner_mean
-    specimen, person = cell.sum(axis=0) / n_p, cell.sum(axis=1) / n_s
-    grand = specimen.sum() / n_s
-    inner = cell - specimen - person[:, None] + grand
-    df = np.array([n_p * n_s * (n_r - 1), (n_p - 1) * (n_s - 1), n_p - 1, n_s - 1])
-    squares = np.array(
-        [
-            ((y - y[..., :1] - inner_mean[..., None]) ** 2).sum(),
-            n_r * (inner**2).sum(),
-            n_s * n_r * ((person - grand) ** 2).sum(),
-            n_p * n_r * ((specimen - grand) ** 2).sum(),
-        ]
-    )
-    largest = max(float(np.max(np.abs(y))), abs(float(np.ldexp(origin, -unit))))
-    *ms, of_specimens = without_rounding(squares, y.size, largest) / df
+    specimen, (*ms, of_specimens), df = _mean_squares(y, abs(float(np.ldexp(origin, -unit))))
     level = _in_order(np.array(ms), df[:3])
     scale = np.array([n_s * n_r, n_r, 1.0])
     variance = np.maximum([level[2] - level[1], level[1] - level[0], level[0]], 0.0) / scale
@@ -137,6 +121,30 @@ def balanced_mixed(values: ArrayLike, confidence: float = 0.95) -> MixedModel:
         n=y.size,
         confidence=confidence,
     )
+
+
+def _mean_squares(y: Floats, origin: float) -> tuple[Floats, Floats, Ints]:
+    """Means (S,) of specimens; mean squares (4,) of repetitions, participants by specimens, participants, specimens;
+    and their degrees of freedom (4,). y : (P, S, R). origin : size of what was subtracted from the data.
+    """
+    n_p, n_s, n_r = y.shape
+    # a cell is centred on its own first value: equal decimals then do not differ by the rounding of their mean
+    inner_mean = (y - y[..., :1]).sum(axis=2) / n_r
+    cell = y[..., 0] + inner_mean
+    specimen, person = cell.sum(axis=0) / n_p, cell.sum(axis=1) / n_s
+    grand = specimen.sum() / n_s
+    inner = cell - specimen - person[:, None] + grand
+    df = np.array([n_p * n_s * (n_r - 1), (n_p - 1) * (n_s - 1), n_p - 1, n_s - 1])
+    squares = np.array(
+        [
+            ((y - y[..., :1] - inner_mean[..., None]) ** 2).sum(),
+            n_r * (inner**2).sum(),
+            n_s * n_r * ((person - grand) ** 2).sum(),
+            n_p * n_r * ((specimen - grand) ** 2).sum(),
+        ]
+    )
+    largest = max(float(np.max(np.abs(y))), origin)
+    return specimen, without_rounding(squares, y.size, largest) / df, df
 
 
 def _checked(values: ArrayLike) -> tuple[Floats, int, float]:
