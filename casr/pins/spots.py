@@ -66,9 +66,9 @@ class _Disc:
     """Offsets x, y (K, 2) and distance (K,) of the pixels of a disc, and their places in a padded image that begins at
     the corner of the first disc."""
 
-    offset: NDArray[np.float32]
+    offset: NDArray[np.float64]
     distance: NDArray[np.float32]
-    place: NDArray[np.intp]
+    place: NDArray[np.int32]
 
 
 @lru_cache(maxsize=64)
@@ -77,8 +77,9 @@ def _disc(radius_squared: int, width: int) -> _Disc:
     k = math.isqrt(radius_squared)
     y, x = np.mgrid[-k : k + 1, -k : k + 1]
     inside = x * x + y * y <= radius_squared
-    pixels = np.stack([x, y, np.hypot(x, y)], axis=-1)[inside].astype(np.float32)
-    found = _Disc(pixels[:, :2], pixels[:, 2], (x + k + (y + k) * width)[inside])
+    offset = np.stack([x, y], axis=-1)[inside].astype(np.float64)
+    place = (x + k + (y + k) * width)[inside].astype(np.int32)
+    found = _Disc(offset, np.hypot(x, y)[inside].astype(np.float32), place)
     for array in (found.offset, found.distance, found.place):
         array.flags.writeable = False
     return found
@@ -88,7 +89,7 @@ def _weigh(
     padded: Grey, centres: NDArray[np.float64], reach_px: NDArray[np.float64], disc: _Disc
 ) -> NDArray[np.float64]:
     """(N, 4): centroid, area, contrast; the padding of the image is the radius of the disc."""
-    start = (centres[:, 0] + centres[:, 1] * padded.shape[1]).astype(np.intp)
+    start = (centres[:, 0] + centres[:, 1] * padded.shape[1]).astype(np.int32)
     grey = padded.ravel().take(start[:, None] + disc.place).astype(np.float32)
     count("pixels weighed", grey.size)
     beyond = (disc.distance > reach_px[:, None].astype(np.float32)) * OUT_OF_REACH
@@ -102,6 +103,8 @@ def _weigh(
         weight *= weight / (weight + np.float32(SOFT_FRACTION) * contrast[:, None])
         exact = weight.astype(np.float64)  # sums in single precision hang on the order that a processor takes
         found[:, :2] = centres + (exact @ disc.offset) / exact.sum(axis=1)[:, None]
-        found[:, 2] = (grey > (background + 0.5 * contrast)[:, None]).sum(axis=1)
+        # as bits, eight at a time: a sum of truth values takes several times as long
+        bright = np.packbits(grey > (background + 0.5 * contrast)[:, None], axis=1)
+        found[:, 2] = np.bitwise_count(bright).sum(axis=1)
     found[:, 3] = contrast
     return found
