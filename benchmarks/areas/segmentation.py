@@ -9,7 +9,7 @@ import numpy as np
 from scipy import signal
 
 from benchmarks.bench.case import Area, Case, Size, Way, peer
-from benchmarks.experts.presses import edges
+from benchmarks.experts import presses
 from benchmarks.simulated_records import (
     FS_HZ,
     LOAD_S,
@@ -101,17 +101,21 @@ def _scripts(records: Records) -> Iterator[Way]:
         return [_crossings(row) for row in signal.sosfiltfilt(sos, force_n)]
 
     yield Way(
-        "scipy", "expert: means of ten, sosfiltfilt, crossings",
-        lambda: edges(force_n, FS_HZ, (LOWER_N, UPPER_N)), "equal",
-        "zero from the first second; between samples",
+        "scipy", "expert: rests, tared force, edges, releases at a tenth of the rate",
+        lambda: [found["edges"] for found in presses.records(force_n, FS_HZ, (LOWER_N, UPPER_N))], "equal",
     )  # fmt: skip
-    yield Way("scipy", "sosfiltfilt and a threshold", filtered, "equal", "zero from the first second")
+    yield Way(
+        "scipy", "expert: means of ten, sosfiltfilt, crossings",
+        lambda: presses.edges(force_n, FS_HZ, (LOWER_N, UPPER_N)), "as used",
+        "edges alone; zero from the first second; between samples",
+    )  # fmt: skip
+    yield Way("scipy", "sosfiltfilt and a threshold", filtered, "as used", "edges alone; zero from the first second")
     yield Way(
         "numpy",
         "a threshold on raw force",
         lambda: [_crossings(row) for row in force_n],
         "as used",
-        "no filter; zero from the first second",
+        "edges alone; no filter; zero from the first second",
     )
 
 
@@ -173,7 +177,8 @@ AREA = Area(
     meaning=(
         f"The simulated force has noise of {1e3 * NOISE_N:g} mN, so raw thresholds are crossed early; a low-pass "
         "mends this and rounds the corner of contact. Ours interpolates between samples, follows the drift of "
-        "the zero and finds the release too, which scripts do not. Onset detectors of EMG find the start of "
+        "the zero, finds rests and the release too, and gives the force at its full rate, as the expert's row of "
+        "equal work does; others find edges alone. Onset detectors of EMG find the start of "
         "activity, a lead that is taken out; what remains is their scatter."
     ),
 )
