@@ -27,24 +27,18 @@ class ShaftPath:
     """Where the shaft has been and what the probe touched, over time, straight between points.
 
     Devices read the world at times of their own, some of them a little in the past.
+
+    end_s, end_rad : newest time, s, and angle, rad.
     """
 
     def __init__(self, time_s: float, angle_rad: float) -> None:
         self._times_s, self._angles_rad, self._touches = [time_s], [angle_rad], [APART]
-
-    @property
-    def end_s(self) -> float:
-        """Newest time, s."""
-        return self._times_s[-1]
-
-    @property
-    def end_rad(self) -> float:
-        """Newest angle, rad."""
-        return self._angles_rad[-1]
+        self.end_s, self.end_rad = time_s, angle_rad
 
     def append(self, time_s: float, angle_rad: float, touch: Touch = APART) -> None:
         """One more point, s and rad, later than the last."""
         times_s, angles_rad, touches = self._times_s, self._angles_rad, self._touches
+        self.end_s, self.end_rad = time_s, angle_rad
         if len(times_s) > 1 and angles_rad[-2] == angles_rad[-1] == angle_rad and touches[-2] == touches[-1] == touch:
             times_s[-1] = time_s
             return

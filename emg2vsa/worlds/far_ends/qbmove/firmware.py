@@ -143,7 +143,7 @@ class QbmoveFirmware:
     def ask(self, command: Command) -> tuple[int, ...]:
         """The words that answer GET_MEASUREMENTS or GET_CURRENTS, as if a frame had come, for who needs no bytes."""
         self._hear()
-        return tuple([_word(value) for value in self._asked[command]()])
+        return tuple([(value + 0x8000) % 0x10000 - 0x8000 for value in self._asked[command]()])  # ``_word``, in line
 
     def ask_active(self) -> int:
         """What answers GET_ACTIVATE, likewise."""
