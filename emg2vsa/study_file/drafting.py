@@ -82,7 +82,7 @@ def look(
     """Open the recordings ``paths`` of ``folder``, for a study file in ``beside``.
 
     fs_hz : rate of channels whose file states none, Hz. pressed : names of specimens that are known.
-    SettingError: none of the files can be read.
+    SettingError: none of the files can be read, or one holds everything.
     """
     usable, unread = _usable(paths, reading)
     if not usable:
@@ -95,6 +95,7 @@ def look(
     aside = {*force_files, *(naming.left_out if naming else ())}
     named = [path for file, path in by_file.items() if file not in aside]
     emg = force = _telling(named, reading, fs_hz)
+    _refuse_one_table(emg)
     if force_files:
         force = force_by_file(_telling([path for file, path in by_file.items() if file in force_files], reading, fs_hz))
     looked_at = dict.fromkeys(_relative(one.path, beside) for one in (emg, force))
@@ -105,6 +106,15 @@ def look(
     channels = {role: replace(channel, largest=largest) for role, channel in channels.items()}
     pressing = found.drafted(force.force) if force.force else None
     return replace(found, emg_channels=channels, force_channel=pressing)
+
+
+def _refuse_one_table(facts: FileFacts) -> None:
+    """SettingError for a table of all people and objects: columns of words, and times that begin again and again."""
+    words = [channel.name for channel in facts.channels if channel.fault.startswith("found '")]
+    if words and all(channel.fault for channel in facts.channels):
+        found = f"one with words in {', '.join(words)}, whose other columns are no channels"
+        do = "Save one file for each of their values, such as P01_soft.csv."
+        raise SettingError(facts.path, wanted="a recording of one person on one object", found=found, do=do)
 
 
 def _pairs_by_content(

@@ -167,6 +167,17 @@ def test_the_end_of_a_specimens_name_is_enough_for_its_stiffness(folder: Path, t
     assert load_study(out).stiffness_n_per_mm == {"hard": 6.0}
 
 
+def test_one_table_of_everything_is_to_be_parted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rows = [f"{s},{o},{i / 1000},{i % 7},{i % 5}" for s in ("s1", "s2") for o in ("soft", "hard") for i in range(500)]
+    (tmp_path / "all.csv").write_text("\n".join(["subject,object,time_s,EDC_mV,Fz_N", *rows]) + "\n")
+    assert main(["new", str(tmp_path), "--stiffness", "soft=1"]) == 2
+    told = capsys.readouterr().err
+    wanted = "all.csv: expected a recording of one person on one object, but found one with words in subject, object"
+    assert wanted in told
+    assert "Save one file for each of their values" in told
+    assert [path.name for path in tmp_path.iterdir()] == ["all.csv"]
+
+
 def test_tables_of_bids_are_no_recordings_and_other_tsv_are(tmp_path: Path) -> None:
     names = ("P01_a.tsv", "participants.tsv", "sub-1_events.tsv", "sub-1_channels.tsv", "notes.md")
     for name in names:
