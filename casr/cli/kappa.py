@@ -13,6 +13,8 @@ from casr.command_line import JSON, Commands, add_command, answer
 from casr.errors import CasrError, SettingError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from casr.camera import Camera
     from casr.dome.library import Library
     from casr.kappa.estimate import SensorKappa
@@ -96,16 +98,22 @@ def asked(arguments: argparse.Namespace) -> tuple[list[KappaPress], dict[str, st
             str(root), wanted="a press that can be used", found=f"none of {len(unused)}; {name}: {why}",
             do="See to this first.",
         )  # fmt: skip
-    camera = cameras[used[0].name]
+    camera = _one_camera(cameras)
+    height_mm = height_in_tables(camera, arguments.domes, arguments.specimen_height_mm)
+    return used, unused, camera, tables(arguments.domes, height_mm)
+
+
+def _one_camera(cameras: Mapping[str, Camera | None]) -> Camera:
+    """The camera of all presses, by name. SettingError : a press has none, or another one."""
+    first, camera = next(iter(cameras.items()))
     other = next((name for name, each in cameras.items() if each is None or not each.sees_like(camera)), "")
     if camera is None or other:
         raise SettingError(
-            f"{other or used[0].name}, camera.toml", wanted=f"the camera of all presses, as of {used[0].name}",
-            found="none" if cameras[other or used[0].name] is None else "another one",
+            f"{other or first}, camera.toml", wanted=f"the camera of all presses, as of {first}",
+            found="none" if cameras[other or first] is None else "another one",
             do="Put one camera.toml into the folder of the presses (casr calibrate makes it).",
         )  # fmt: skip
-    height_mm = height_in_tables(camera, arguments.domes, arguments.specimen_height_mm)
-    return used, unused, camera, tables(arguments.domes, height_mm)
+    return camera
 
 
 def _specimens(path: Path, presses: dict[str, Path]) -> dict[str, dict[str, Any]]:

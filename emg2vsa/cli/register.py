@@ -6,9 +6,13 @@ import argparse
 import datetime
 import os
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from casr.command_line import JSON, Commands, add_command, answer
 from emg2vsa.cli.arguments import STUDY
+
+if TYPE_CHECKING:
+    from emg2vsa.study import Study
 
 SUMMARY = "Freeze plan, claims, margins, order, exclusions and code of a study into a file that its hash signs."
 EPILOG = """
@@ -42,17 +46,11 @@ def run(arguments: argparse.Namespace) -> int:
     if out is not None and out.suffix != ".json":
         do = "Give the file a name such as registration-2.json."
         raise SettingError(f"--out {out}", wanted="a name that ends in .json", found=out.suffix or "no ending", do=do)
-    own = study.runs_source.rig if study.runs_source else None
-    if own and arguments.rig:
-        do = "Leave --rig out."
-        raise SettingError(
-            "--rig", wanted="the rig file of the study alone", found=f"rig = {own.name} in [runs]", do=do
-        )
+    file = _rig_file(study, arguments.rig)
     path = Path(os.path.abspath(out)) if out else study.registration or registration_of(study.path)
     known = (each for each in (study.registration, registration_of(study.path)) if each and each != path)
     before = next((each for each in known if each.is_file()), None)
     amends = read_registration(before, None)["sha256"] if before else ""  # the study may have another name since
-    file = own or arguments.rig
     rig = load_rig(file) if file else None
     beside = Path(os.path.relpath(file, study.path.parent)).as_posix() if file else ""
     content = document(
@@ -72,3 +70,14 @@ def run(arguments: argparse.Namespace) -> int:
         lines.append(f'Name it in the study file, under [study]: registration = "{named}"')
     answer(arguments.json, told | {"files": files, "claims": sorted(content["claims"])}, lines)
     return 0
+
+
+def _rig_file(study: Study, given: Path | None) -> Path | None:
+    """The rig file of the study, or else the one that is given. SettingError : there are both."""
+    from emg2vsa.errors import SettingError
+
+    own = study.runs_source.rig if study.runs_source else None
+    if own and given:
+        found = f"rig = {own.name} in [runs]"
+        raise SettingError("--rig", wanted="the rig file of the study alone", found=found, do="Leave --rig out.")
+    return own or given

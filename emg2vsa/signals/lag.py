@@ -117,6 +117,14 @@ class Lag:
 UNKNOWN = Lag(float("nan"), float("nan"))
 
 
+def _log_force(force_n: Floats, force: Clock, time_s: Floats, least_n: float) -> Floats:
+    """ln of the force (n,), N, interpolated to times (t,), s; below ``least_n`` that of ``least_n``."""
+    position = np.clip(force.index(time_s), 0, force_n.size - 1)
+    left = np.minimum(position.astype(np.int64), force_n.size - 2)
+    share = position - left
+    return np.asarray(np.log(np.maximum((1 - share) * force_n[left] + share * force_n[left + 1], least_n)))
+
+
 def estimate_lag(
     channels: tuple[Floats, ...],
     emg: Clock,
@@ -153,10 +161,7 @@ def estimate_lag(
     if not heard.any():
         return UNKNOWN
     y[heard == 0] = y[heard > 0].mean()
-    position = np.clip(force.index(time_s), 0, force_n.size - 1)
-    left = np.minimum(position.astype(np.int64), force_n.size - 2)
-    share = position - left
-    u = np.log(np.maximum((1 - share) * force_n[left] + share * force_n[left + 1], LOWEST * lower_n))
+    u = _log_force(force_n, force, time_s, LOWEST * lower_n)
     coarse = _best_correlation(y, u, most)
     level = ((u - u.min()) * (LEVELS / max(float(np.ptp(u)), 1e-12))).astype(np.int64)
     cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from casr.dome.solver.bodies import Bodies, Inverted, Rubber, Stopped, block, graded
+from casr.dome.solver.bodies import Bodies, Inverted, Mesh, Rubber, Stopped, block, graded
 from casr.dome.solver.contact import Contact, Grip, Opposite
 
 Array = NDArray[np.float64]
@@ -94,27 +94,39 @@ class Pressed:
     unstored: float
 
 
+def _ball(pressing: Pressing) -> tuple[Mesh, list[Rubber]]:
+    """Mesh of the dome, and the rubber of each of its elements."""
+    dome, size = pressing.dome, pressing.mesh_mm
+    inner = dome.radius_mm - dome.skin_mm
+    arc = graded(np.pi / 2, _FINE_TO, size / dome.radius_mm)
+    layers = max(2, round(dome.skin_mm / size))
+    deep = inner - graded(inner, 0.0, max(size, 0.5) * 1.2, 1.15)[::-1]
+    radii = np.concatenate([deep, np.linspace(inner, dome.radius_mm, layers + 1)[1:]])
+    ball = block(radii, arc, lambda r, angle: (r * np.sin(angle), r * np.cos(angle)))
+    middle = ball.at[ball.nodes, 0].mean(axis=1)
+    return ball, [dome.skin if r > inner else dome.gel for r in middle]
+
+
+def _plate(pressing: Pressing) -> Mesh:
+    """Mesh of the specimen, or of the face of a rigid plate."""
+    dome, specimen, size = pressing.dome, pressing.specimen, pressing.mesh_mm
+    return block(
+        np.concatenate([graded(specimen.radius_mm, 0.9 * dome.radius_mm, size)]),
+        graded(specimen.height_mm, min(4 * size, specimen.height_mm), size, 1.3)
+        if specimen.rubber
+        else np.array([0, 1.0]),
+        lambda r, z: (r, dome.radius_mm + z),
+    )
+
+
 class _World:
     """Meshes of a pressing, its degrees of freedom, and what is known of its solution."""
 
     def __init__(self, pressing: Pressing) -> None:
         dome, specimen, size = pressing.dome, pressing.specimen, pressing.mesh_mm
         self.dome = dome
+        (ball, rubbers), plate = _ball(pressing), _plate(pressing)
         inner = dome.radius_mm - dome.skin_mm
-        arc = graded(np.pi / 2, _FINE_TO, size / dome.radius_mm)
-        layers = max(2, round(dome.skin_mm / size))
-        deep = inner - graded(inner, 0.0, max(size, 0.5) * 1.2, 1.15)[::-1]
-        radii = np.concatenate([deep, np.linspace(inner, dome.radius_mm, layers + 1)[1:]])
-        ball = block(radii, arc, lambda r, angle: (r * np.sin(angle), r * np.cos(angle)))
-        middle = ball.at[ball.nodes, 0].mean(axis=1)
-        rubbers = [dome.skin if r > inner else dome.gel for r in middle]
-        plate = block(
-            np.concatenate([graded(specimen.radius_mm, 0.9 * dome.radius_mm, size)]),
-            graded(specimen.height_mm, min(4 * size, specimen.height_mm), size, 1.3)
-            if specimen.rubber
-            else np.array([0, 1.0]),
-            lambda r, z: (r, dome.radius_mm + z),
-        )
         parts = [(ball, rubbers), (plate, [specimen.rubber or Rubber(1.0)] * len(plate.nodes))]
         self.bodies = Bodies(parts)
         start = len(ball.place)

@@ -68,6 +68,12 @@ def _quantities(results: StudyResults) -> Items:
 
 
 def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
+    yield _counted(results, q)
+    yield _compared(results, q)
+
+
+def _counted(results: StudyResults, q: Quantities) -> Table:
+    """Pins that Algorithm 1 selects, by angle and specimen."""
     every, rule = [*_pins(results)], results.study.scoring.recipe_of("paper").force_rule
     names = [f"runs.algorithm_1.{angle:g}.{specimen}.pins" for angle, specimen, *_ in every]
     counted: Columns = {
@@ -89,7 +95,11 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
         f"{'mean force per frame' if rule == 'mean' else 'force at exposure of the frame'}; n = 0 in "
         f"{q.get('runs.algorithm_1.pins.none', 0)} of {sum(p.size for *_, p in every)} presses, where no pin moved"
     )
-    yield table_of("algorithm_1", caption, counted)
+    return table_of("algorithm_1", caption, counted)
+
+
+def _compared(results: StudyResults, q: Quantities) -> Table:
+    """Vision algorithms on the same presses, by design."""
     found = tested(results)
     compared, table = found.algorithms, found.table
     shown = _NUMBERS if np.isfinite(compared.area_error).any() else (_NUMBERS[0], *_NUMBERS[3:])
@@ -109,7 +119,7 @@ def _tables(results: StudyResults, q: Quantities) -> Iterator[Table]:
     whole = table_of("algorithms", caption, rows)
     rigid = tuple(row for row in whole.rows if str(row["design"]).startswith(RIGID))
     some = 0 < len(rigid) < len(whole.rows)
-    yield replace(whole, caption=f"{caption}. Shown: rigid motor", shown_rows=rigid) if some else whole
+    return replace(whole, caption=f"{caption}. Shown: rigid motor", shown_rows=rigid) if some else whole
 
 
 def _drawings(results: StudyResults) -> Iterator[Drawing]:
