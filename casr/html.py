@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from html import escape
 
@@ -150,7 +151,7 @@ def pairs(facts: Iterable[tuple[str, str]]) -> str:
 
 def figure(svg: str, caption: str) -> str:
     """A drawing, HTML, with its caption."""
-    label = escape(caption.removeprefix("Fig. ").split(".")[0])
+    label = escape(re.split(r"\.(?!\d)", caption.removeprefix("Fig. "))[0])
     return (
         f'<figure><div class="wide" role="region" tabindex="0" aria-label="Figure: {label}">{svg}</div>'
         f"<figcaption>{escape(caption)}</figcaption>\n</figure>\n"

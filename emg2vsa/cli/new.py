@@ -113,7 +113,7 @@ def _page(found: Found, text: str, out: Path, reading: ReadingSettings) -> str:
             filters=entry.filters, window=entry.window, cocontraction=study.cocontraction, reading=reading,
         )  # fmt: skip
     except Emg2vsaError as error:
-        return draft_page(found, text, out, str(error))
+        return draft_page(found, text, out, str(error).replace(f"{out.parent.resolve()}{os.sep}", ""))
     return draft_page(found, text, out, (entry, trials))
 
 
