@@ -229,19 +229,11 @@ class HeldFront:
         log_area = np.log(candidates)
         area = np.exp(weight @ log_area)
         misfit = _misfit(best, self._pins_px)
-        usual, length = PULLED_FREE_MISFIT if best.sheared else FREE_MISFIT, len(area)
-        held_mm = self._whose.radius_mm[self._world]
+        usual = PULLED_FREE_MISFIT if best.sheared else FREE_MISFIT
         dome_sd = float(np.hypot(DOME_SD, DOME_SD_PER_MISFIT * misfit))
-        beyond = np.maximum(best.radius_mm[0] / library.computed_mm[best.worlds[0]], 1.0)
-        parts = {
-            "pins": 2 * best.scatter[0],
-            # radii differ by s, areas by 2 s: logarithms of areas are compared here, twice their spread as for radii
-            "dome": np.hypot(2 * np.sqrt(spread_weight @ (log_area - np.log(area)) ** 2), dome_sd),
-            "misfit": np.full(length, SD_PER_MISFIT * max(misfit - usual, 0.0)),
-            "pin length": np.zeros(length), "depth": np.zeros(length),
-            **{name: 2 * np.log(fit.radius_mm[0] / held_mm) for name, fit in self._other.items()},
-            "beyond the tables": 2 * BEYOND_COMPUTED_SD * np.log(beyond),
-        }  # fmt: skip
+        # radii differ by s, areas by 2 s: logarithms of areas are compared here, twice their spread as for radii
+        spread = np.hypot(2 * np.sqrt(spread_weight @ (log_area - np.log(area)) ** 2), dome_sd)
+        parts = self._errors(best, spread, SD_PER_MISFIT * max(misfit - usual, 0.0))
         edge_px, inside, pins_inside, pitches, shear, torsion = map(np.concatenate, zip(*self._edges, strict=True))
         return ContactFront(
             area=area, candidates=candidates, weight=weight, spread_weight=spread_weight, parts=parts,
@@ -253,6 +245,19 @@ class HeldFront:
             shear_px=shear, torsion_deg=torsion,
             notes=(*self._said, *_notes(misfit, usual, best, library, self._views[0].pole_px)),
         )  # fmt: skip
+
+    def _errors(self, best: FrontFit, dome: Array, misfit_sd: float) -> dict[str, Array]:
+        """Standard error of ln area (T,) by cause. dome : (T,) that of the dome, from how its candidates differ."""
+        held_mm = self._whose.radius_mm[self._world]
+        beyond = np.maximum(best.radius_mm[0] / self._library.computed_mm[best.worlds[0]], 1.0)
+        return {
+            "pins": 2 * best.scatter[0],
+            "dome": dome,
+            "misfit": np.full(len(dome), misfit_sd),
+            "pin length": np.zeros(len(dome)), "depth": np.zeros(len(dome)),
+            **{name: 2 * np.log(fit.radius_mm[0] / held_mm) for name, fit in self._other.items()},
+            "beyond the tables": 2 * BEYOND_COMPUTED_SD * np.log(beyond),
+        }  # fmt: skip
 
 
 def _views(rest_px: Array, camera: Camera | None) -> tuple[list[DomeView], tuple[str, ...]]:
