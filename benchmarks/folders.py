@@ -76,7 +76,7 @@ def try_folder(laboratory: Laboratory, folder: Path) -> Outcome:
             raise RuntimeError(f"participants {', '.join(study.participants)}")
         _answer(outcome, known, folder, study)
     except RuntimeError as error:
-        outcome.failed = str(error)
+        outcome.failed = str(error).replace(f"{folder}/", "")
     return outcome
 
 
