@@ -19,7 +19,7 @@ LEVEL_FLOOR = 0.1
 NARROW = 1e-3
 """A fit whose forces differ by a smaller share of themselves says how many digits are left."""
 
-_POINTS_AT_ONCE = 16_000  # a table of a block below 128 kB: the C library clears larger ones anew
+_SUMMED_AT_ONCE, _FITTED_AT_ONCE = 16_000, 8_000  # points: each table, or two, below 128 kB; larger are cleared anew
 _MIDDLE = 1.0  # ln F of presses, which lie between .5 and 7 N, less this is about zero
 _NEAR = 3.0  # sum of squares of that over the one about its mean, above which their difference would lose digits
 _FAR = 1e8  # square of a mean over the sum of squares about it, above which centring by the rounded mean loses digits
@@ -83,7 +83,7 @@ def _lines(force: Floats, v: Floats) -> Line:
 def _sums(force: Floats, v: Floats) -> Floats:
     """Of rows (5, k): means of x = ln F - 1 and of v, sums of x^2, and of v about its mean times x and times itself."""
     k, p = v.shape
-    weights, common, sums, cuts = np.full(p, 1 / p), force.ndim == 1, np.empty((5, k)), _blocks(v)
+    weights, common, sums, cuts = np.full(p, 1 / p), force.ndim == 1, np.empty((5, k)), _blocks(v, _SUMMED_AT_ONCE)
     shape = min(k, cuts[0].stop), p
     logs, about = np.empty((0 if common else shape[0], p)), np.empty(shape)
     if common:
@@ -116,8 +116,8 @@ def _of_sums(
     return line_of_sums(p, mean_x + _MIDDLE, mean_v, sxx, slope, vv, sse), sound
 
 
-def _blocks(v: Floats) -> list[slice]:
-    rows = max(1, _POINTS_AT_ONCE // max(1, v.shape[1]))
+def _blocks(v: Floats, points: int) -> list[slice]:
+    rows = max(1, points // max(1, v.shape[1]))
     return [slice(i, i + rows) for i in range(0, max(len(v), 1), rows)]
 
 
@@ -140,7 +140,7 @@ def _log_fit(line: Line, confidence: float) -> LogFit:
 def _in_blocks(force: Floats, v: Floats, robust: bool = False) -> Line:
     """The lines through (ln F, v), block by block; points that do not count get weight 0."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        parts = [(np.log(force if force.ndim == 1 else force[cut]), v[cut]) for cut in _blocks(v)]
+        parts = [(np.log(force if force.ndim == 1 else force[cut]), v[cut]) for cut in _blocks(v, _FITTED_AT_ONCE)]
     return join([_fit_points(x, y, None, robust) for x, y in parts])
 
 
