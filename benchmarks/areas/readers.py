@@ -331,7 +331,8 @@ AREA = Area(
         "difference between their own rows and ours in this process is what checks, units and a copy that may be "
         "changed cost; the difference to the first row is the child process, which keeps a decoder that crashes or "
         "never ends away from a run (decision 19). An error of the size of one quantum of the format (BDF 6e-8, EDF "
-        "2e-5 of the range) is that of the file. C3D, MATLAB, TDMS, XDF and video have no row of an expert: the "
+        "2e-5 of the range) is that of the file. The expert's rows decode the bytes of one read of EDF and BDF, three "
+        "to four times as fast as ours in this process. C3D, MATLAB, TDMS, XDF and video have no row of an expert: the "
         "formats' own libraries decode them, and ours uses the same."
     ),
 )

@@ -34,7 +34,9 @@ GROWTH = Area(
     peers={"cv2": "opencv-contrib-python-headless"},
     meaning=(
         "The engine dis is OpenCV's; horn-schunck and pin-affine are ours. The smaller a contact is, the more a "
-        "dense flow loses at its edge."
+        "dense flow loses at its edge. Patches of Lucas and Kanade on pins whose places are told find the growth as "
+        "exactly in a quarter of the time and less: ours finds the pins itself, keeps each through large motions, and "
+        "believes no torn or noisy frame."
     ),
 )
 AREA = Area(
@@ -44,7 +46,8 @@ AREA = Area(
     peers={"cv2": "opencv-contrib-python-headless"},
     meaning=(
         "The rule paper is Algorithm 1 with its pins paired one to one; circle is that of earlier work and does "
-        "not depend on the contact. The hull of moved pins is what a few lines of OpenCV give."
+        "not depend on the contact. The hull and the moments of moved pins are what a few lines give: they are off by "
+        "twice the area and more."
     ),
 )
 SCORING = Area(

@@ -154,15 +154,19 @@ def _beside(case: CaseResult, peer: Row | None, said: str = " (**not faster**)")
     if peer is None or peer.ratio is None:
         return "none"
     ratio, best, error = peer.ratio.median, case.ours, ""
-    ratios = f"{ratio:.2f}"
+    ratios = _ratio(ratio)
     if best.ratio is not None:
         ratio /= best.ratio.median
-        ratios += f", {ratio:.2f} of {best.name}"
+        ratios += f", {_ratio(ratio)} of {best.name}"
     if peer.work != "equal":
         ratios += f" ({peer.note or 'as used'})"
     if peer.error:
         error = f"; error {number(peer.error, '.2g')}, ours {number(case.rows[0].error, '.2g')}"
     return f"{peer.label}: {ratios}{said if ratio < 0.97 else ''}{error}"
+
+
+def _ratio(ratio: float) -> str:
+    return f"{ratio:.2f}" if ratio >= 0.1 else f"{ratio:.1g}"
 
 
 def _last_of(area: AreaResult, family: str) -> CaseResult:
