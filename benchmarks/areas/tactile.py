@@ -35,7 +35,7 @@ GROWTH = Area(
     meaning=(
         "The engine dis is OpenCV's; horn-schunck and pin-affine are ours. The smaller a contact is, the more a "
         "dense flow loses at its edge. Patches of Lucas and Kanade on pins whose places are told find the growth as "
-        "exactly in a quarter of the time and less: ours finds the pins itself, keeps each through large motions, and "
+        "exactly in .1 to .4 of the time: ours finds the pins itself, keeps each through large motions, and "
         "believes no torn or noisy frame."
     ),
 )
