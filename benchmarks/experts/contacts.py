@@ -15,7 +15,7 @@ def growth(frames: list[np.ndarray], places: np.ndarray) -> float:
     frame, and each step's affine map is fitted to those that moved alike."""
     grown, here = 0.0, np.ascontiguousarray(places, dtype=np.float32)
     for before, now in pairwise(frames):
-        there, held, _ = cv2.calcOpticalFlowPyrLK(before, now, here, None, winSize=WINDOW, maxLevel=2)
+        there, held, _ = cv2.calcOpticalFlowPyrLK(before, now, here, np.empty_like(here), winSize=WINDOW, maxLevel=2)
         kept = held[:, 0] == 1
         table = np.column_stack((here[kept], np.ones(np.count_nonzero(kept))))
         moved = there[kept] - here[kept]

@@ -37,9 +37,9 @@ class Reached:
     libraries: Part
     states: dict[str, State | None]
 
-    def holds(self) -> bool:
-        """Whether no file has changed since."""
-        return all(state_of(path) == state for path, state in self.states.items())
+    def changed(self) -> str:
+        """A file that has changed since; "" for none."""
+        return next((path for path, state in self.states.items() if state_of(path) != state), "")
 
 
 class _Module(NamedTuple):

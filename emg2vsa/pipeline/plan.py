@@ -157,12 +157,12 @@ class StepPlan:
         unfinished = self.store.unfinished(step.id, step.key)
         changed = self._changed_meanwhile(step)
         imported = self._code.used(module_of(step.stage), step.types).modules.value
-        code_holds = self._use(step, tuple(name for name in loaded if name not in imported)).holds()
-        if changed or not code_holds:
+        code = self._use(step, tuple(name for name in loaded if name not in imported)).changed()
+        if changed or code:
             unfinished.unlink(missing_ok=True)
-            what = changed or "The program's code changed"
+            what = changed or f"The program's code changed ({code})"
             step.status, step.message = "failed", f"{what} while the step ran. Run the study again."
-            return code_holds
+            return not code
         if status == "done":
             if stage(step.stage).folder is not None:
                 old = sorted(self.store.path(step.id, step.key).parent.glob("*.result"))

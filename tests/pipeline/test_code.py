@@ -164,12 +164,12 @@ def test_what_counts_as_a_change(package: Path, file: str, old: str, new: str, c
 def test_an_edit_while_a_study_runs_is_noticed_by_stages_looked_up_later(package: Path) -> None:
     found = Code(Fingerprints(package.parent / "memory.json"))
     first = found.reached("emg2vsa.stage")
-    assert first.holds()
+    assert first.changed() == ""
     (package / "deep.py").write_text("K = 3")
-    assert not first.holds()
-    assert not found.used("emg2vsa.stage").holds()
+    assert first.changed() == str(package / "deep.py")
+    assert found.used("emg2vsa.stage").changed()
     (package / "other.py").write_text("Y = 2")
-    assert not found.used("emg2vsa.other").holds()  # first asked for after its edit
+    assert found.used("emg2vsa.other").changed()  # first asked for after its edit
 
 
 def test_the_texts_of_the_report_count_in_its_key(tmp_path: Path) -> None:
