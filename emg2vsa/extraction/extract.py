@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from emg2vsa.arrays import Floats, bridge_gaps, samples_1d
 from emg2vsa.extraction import Trials
 from emg2vsa.extraction.cleaning import Cleaned, cleaned
-from emg2vsa.extraction.emg_record import EmgRecord, emg_record, filter_chain, where_of
+from emg2vsa.extraction.emg_record import Chain, EmgRecord, emg_record, filter_chain, where_of
 from emg2vsa.extraction.evidence import (
     gather_evidence,
     record_qualities,
@@ -35,9 +35,9 @@ from emg2vsa.signals.lag import Lag
 from emg2vsa.signals.level_drift import level_drift, level_trends
 from emg2vsa.signals.overview import EmgOverview, emg_overview
 from emg2vsa.signals.plausibility import LARGE_LAG_S, force_unit_doubt
-from emg2vsa.signals.quality import ratio_db, window_means
+from emg2vsa.signals.quality import RawQuality, ratio_db, window_means
 from emg2vsa.signals.traits import Traits, traits_of
-from emg2vsa.signals.verdicts import judge
+from emg2vsa.signals.verdicts import Evidence, judge
 
 OVERVIEW_HZ = 10.0
 LARGE_CORRECTION = 0.05
@@ -81,11 +81,7 @@ def extract_trials(
     activity, unit, fused = cocontraction_index(envelopes_v, raw.muscles, cocontraction)
     fault, remarks = _channel_fault(misread, slowly, conditioned, times, found, force_channel, window)
     said = _said_of_presses(force, conditioned, clean, times, found, bias, raw.fs_hz / chain.step, window)
-    quality = record_qualities(raw, times.instants, chain.envelope)
-    snr_db = ratio_db(window_means(found.measured_v, times.instants.offsets), found.rest_v[:, None])
-    evidence = gather_evidence(
-        conditioned, times.instants, times.force_n, force_missing, quality, snr_db, raw, fault, said
-    )
+    quality, evidence = _evidence(raw, chain, conditioned, force_missing, times, found, fault, said)
     verdicts = [judge(trial, window) for trial in evidence]
     overview = emg_overview(raw.samples, raw.fs_hz, times.emg.start_s, found.signals.presses, found.signals.rests)
     every = max(1, round(force.fs_hz / OVERVIEW_HZ))
@@ -94,7 +90,7 @@ def extract_trials(
         participant=participant, specimen=specimen, muscles=raw.muscles,
         repetition=np.arange(1, times.start_s.size + 1), start_s=times.start_s, stop_s=times.stop_s,
         duration_s=times.stop_s - times.start_s, peak_force_n=conditioned.presses.peak_n,
-        snr_db=snr_db.min(axis=0),
+        snr_db=np.array([np.min([*trial.snr_db.values()]) for trial in evidence], dtype=np.float64),
         falling_share=np.array([trial.falling_share for trial in evidence], dtype=np.float64),
         verdict=np.array([verdict for verdict, _ in verdicts], dtype="<U8"),
         reasons=tuple(reasons for _, reasons in verdicts),
@@ -189,6 +185,19 @@ def _said_of_presses(
         (*over, *gaps, *shook, *own, *((False, sign) for sign in signs))
         for over, gaps, shook, own, signs in zip(loaded, held, shaken, biased, found.seen.of_press, strict=True)
     ]
+
+
+def _evidence(
+    raw: EmgRecord, chain: Chain, conditioned: ForceRecord, force_missing: NDArray[np.bool_], times: Timeline,
+    found: PressEnvelopes, fault: str, said: list[tuple[tuple[bool, str], ...]],
+) -> tuple[list[list[RawQuality]], list[Evidence]]:  # fmt: skip
+    """Of each press the quality of its raw samples by muscle, and all that it is judged by."""
+    quality = record_qualities(raw, times.instants, chain.envelope)
+    snr_db = ratio_db(window_means(found.measured_v, times.instants.offsets), found.rest_v[:, None])
+    evidence = gather_evidence(
+        conditioned, times.instants, times.force_n, force_missing, quality, snr_db, raw, fault, said
+    )
+    return quality, evidence
 
 
 def _traits(
