@@ -52,14 +52,19 @@ def column(table: pd.DataFrame, name: object, where: str = "DataFrame") -> pd.Se
 
 
 def numbers_of(table: pd.DataFrame, name: object, where: str = "DataFrame", wanted: str = "numbers") -> Floats:
-    """A column as a new array of floats (n,), NaN where a value is missing. DataError: it holds anything else."""
+    """A column as a new array of floats (n,), NaN where a value is missing. DataError: it holds anything else.
+
+    True and False are no numbers here: they are the marks of a trigger, and no signal.
+    """
     cells = column(table, name, where)
-    whole = pd.api.types.is_numeric_dtype(cells) and not pd.api.types.is_complex_dtype(cells)
+    is_other = pd.api.types.is_complex_dtype(cells) or pd.api.types.is_bool_dtype(cells)
+    whole = pd.api.types.is_numeric_dtype(cells) and not is_other
     if not whole and cells.dtype != object:
         raise _no_numbers(where, name, wanted, f"{cells.dtype} values")
     if not whole:
         for value in cells:
-            if not isinstance(value, (numbers.Real, Decimal)) and not is_missing(value):
+            is_number = isinstance(value, (numbers.Real, Decimal)) and not isinstance(value, bool)
+            if not is_number and not is_missing(value):
                 raise _no_numbers(where, name, wanted, repr(value))
     return np.array(pd.to_numeric(cells).to_numpy(np.float64, na_value=np.nan))
 

@@ -6,8 +6,9 @@ from typing import Any
 
 import pandas as pd
 
+from emg2vsa.errors import SettingError
 from emg2vsa.readers.plain_csv import time_unit_s
-from emg2vsa.readers.units import split_unit
+from emg2vsa.readers.units import si_factor, split_unit
 
 
 def headed(table: pd.DataFrame, name: Any) -> tuple[Any, str | None]:
@@ -18,6 +19,20 @@ def headed(table: pd.DataFrame, name: Any) -> tuple[Any, str | None]:
     known = [label for label in table.columns if isinstance(label, str)]
     labels = [name] if name in known else [label for label in known if split_unit(label, glued=True)[0] == name]
     return (labels[0], split_unit(labels[0], glued=True)[1]) if len(labels) == 1 else (name, None)
+
+
+def unit_of(table: pd.DataFrame, name: Any, told: str | None, usual: str | None, option: str) -> str | None:
+    """The unit that is ``told``; without it ``usual`` where the header of the column states none, else None.
+
+    SettingError : header and ``told``, as ``option`` gave it, are two units.
+    """
+    label, stated = headed(table, name)
+    if told is None:
+        return usual if stated is None else None
+    if stated is not None and told != stated and (si_factor(told) is None or si_factor(told) != si_factor(stated)):
+        do = f"Leave {option} out, or rename the column."
+        raise SettingError(f"read, {option}", wanted=f"{stated}, as {label} says", found=repr(told), do=do)
+    return told
 
 
 def clock(table: pd.DataFrame, *, has_rate: bool) -> tuple[str, float] | None:

@@ -13,7 +13,7 @@ from scipy.special import stdtrit
 
 from emg2vsa.arrays import Floats
 from emg2vsa.errors import DataError, SettingError
-from emg2vsa.figures.palette import INK, ActivityScale, Look, activity_scale, looks
+from emg2vsa.figures.palette import INK, VERDICT_COLOURS, ActivityScale, Look, activity_scale, looks
 from emg2vsa.public.given import column, numbers_of, of_kind, refuse_missing_labels
 from emg2vsa.public.recordings import Recording, fit, samples
 from emg2vsa.settings import StageSettings
@@ -27,6 +27,8 @@ def plot_press(
     recording: Recording, repetition: int = 1, settings: StageSettings | None = None, axes: Axes | None = None
 ) -> Axes:
     """Co-contraction against force of one press: its samples, and the fit v = a + b ln(F / 1 N).
+
+    The title says of a rejected press that it is one, and why.
 
     repetition : number of the press in its recording, from 1. axes : to draw into; None: new ones.
     SettingError : there is no such press. SignalError : the recording cannot be conditioned.
@@ -47,6 +49,9 @@ def plot_press(
         (curve,) = _curves(line, grid) * scale.factor
         b = f"b = {line['b_v'].iloc[0] * scale.factor:.3g} {scale.unit}".rstrip()
         drawn.plot(grid, curve, color=INK, linewidth=2, label=f"v = a + b ln F, {b}")
+    verdict, reason = (str(line[name].iloc[0]) for name in ("verdict", "reason"))
+    if verdict == "rejected":
+        drawn.set_title(_literal(f"press {repetition} rejected: {reason}"), color=VERDICT_COLOURS[verdict], wrap=True)
     drawn.legend()
     return drawn
 
@@ -59,12 +64,16 @@ def plot_fits(fits: pd.DataFrame, axes: Axes | None = None) -> Axes:
     """
     used, scale = _used(fits)
     drawn, grid = _axes(axes, _FORCE, scale.label(_CONTRACTION)), np.geomspace(*_FORCE_N, 60)
+    means = {}
     for specimen, look in _looks(used).items():
         curves = _curves(used[used["specimen"] == specimen], grid) * scale.factor
         drawn.plot(grid, curves.T, color=look.colour, alpha=0.25, linewidth=0.7)
         mean = np.mean(curves, axis=0)
-        drawn.plot(grid, mean, color=look.colour, linestyle=look.dash, linewidth=2.5, label=str(specimen))
-    drawn.legend(title="mean of the presses on")
+        (line,) = drawn.plot(grid, mean, color=look.colour, linestyle=look.dash, linewidth=2.5, label=str(specimen))
+        means[_literal(specimen)] = line
+    if any(means):  # presses of one recording need no name of a specimen
+        # given by hand, as Matplotlib leaves out of its own what begins with an underscore
+        drawn.legend([*means.values()], [*means], title="mean of the presses on")
     return drawn
 
 
@@ -82,10 +91,15 @@ def plot_specimens(fits: pd.DataFrame, axes: Axes | None = None) -> Axes:
         b = means[specimen].to_numpy(np.float64)
         drawn.plot(place + np.linspace(-0.15, 0.15, b.size), b, look.marker, color=look.colour, alpha=0.5)
         drawn.errorbar(place, b.mean(), _half_width(b), fmt="_", color=INK, markersize=18, capsize=5)
-    names = [str(specimen) for specimen in _looks(used)]
+    names = [_literal(specimen) for specimen in _looks(used)]
     drawn.set_xticks(range(len(names)), names)
     drawn.set(xlim=(-0.5, len(names) - 0.5), ylim=(min(0.0, drawn.get_ylim()[0]), None))
     return drawn
+
+
+def _literal(name: object) -> str:
+    """A name as Matplotlib shows it letter by letter: between two dollar signs it would set a formula."""
+    return str(name).replace("$", r"\$")
 
 
 def _used(fits: pd.DataFrame) -> tuple[pd.DataFrame, ActivityScale]:

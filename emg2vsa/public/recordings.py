@@ -30,7 +30,7 @@ from emg2vsa.public.given import (
     refuse_missing_labels,
     settings_or_default,
 )
-from emg2vsa.public.headers import clock, headed
+from emg2vsa.public.headers import clock, headed, unit_of
 from emg2vsa.readers.front_door import inspect
 from emg2vsa.readers.opened import StoredChannel, usable
 from emg2vsa.readers.roles import (
@@ -117,7 +117,7 @@ def read(
     force_file : second file that holds the force, on the same clock.
     fs_hz : sampling rate, where the file does not state it; of a DataFrame it is needed unless it has times.
     emg_unit, force_unit, newtons_per_unit, gain : where file or headers do not say; a DataFrame is then in V and N.
-        newtons_per_unit is for a unit that is no force.
+        newtons_per_unit is for a unit that is no force. A header that states another unit is an error.
     sign : -1 where the sensor reports a press as a negative force. tare : take the force at rest off.
     settings : its table ``reading`` limits decoders.
 
@@ -132,9 +132,8 @@ def read(
     muscles, force = _muscles(emg, plain(force), table is not None, force_file is None), plain(force)
     units = dict.fromkeys(muscles.values(), emg_unit)
     if table is not None:
-        units = {name: emg_unit or (None if headed(table, name)[1] else "V") for name in muscles.values()}
-        if newtons_per_unit is None and headed(table, force)[1] is None:
-            force_unit = force_unit or "N"
+        units = {name: unit_of(table, name, emg_unit, "V", "emg_unit") for name in muscles.values()}
+        force_unit = unit_of(table, force, force_unit, "N" if newtons_per_unit is None else None, "force_unit")
     spelt = {name: name if table is None else str(name) for name in (*muscles.values(), force)}
     asked = plain({
         "emg": {

@@ -45,11 +45,11 @@ def test_headers_of_a_table_mean_what_those_of_a_file_mean(given: pd.DataFrame, 
         np.testing.assert_allclose(one.samples, other.samples, rtol=1e-9, atol=1e-15)
 
 
-def test_what_is_said_goes_before_a_header() -> None:
-    given = table("time [s]", "EDC [V]", "Fz [N]")
-    said = emg2vsa.read(given, emg=["EDC"], force="Fz", emg_unit="mV", force_unit="mN")
-    np.testing.assert_allclose(said.roles.emg["EDC"].samples, given["EDC [V]"] * 1e-3)
-    np.testing.assert_allclose(said.roles.force.samples, 2e-3)
+def test_what_is_said_may_be_what_the_header_says() -> None:
+    given = table("time [s]", "EDC [µV]", "Fz [Newtons]")
+    said = emg2vsa.read(given, emg=["EDC"], force="Fz", emg_unit="uV", force_unit="N")
+    np.testing.assert_allclose(said.roles.emg["EDC"].samples, given["EDC [µV]"] * 1e-6)
+    np.testing.assert_allclose(said.roles.force.samples, 2.0)
 
 
 def test_a_time_without_a_unit_counts_only_where_no_rate_is_given() -> None:
@@ -68,6 +68,16 @@ def test_a_time_without_a_unit_counts_only_where_no_rate_is_given() -> None:
         (table("time [s]", "EDC", "Fz [counts]"), {}, "but found unit 'counts'"),
         (table("time [s]", "EDC", "Fz"), {"fs_hz": 500}, "1000 Hz, as time [s] says"),
         (table("time [s]", "EDC", "Fz").iloc[::-1], {}, "DataFrame, time [s]: expected times that rise"),
+        (
+            table("time [s]", "EDC (mV)", "Fz"), {"emg_unit": "uV"},
+            "read, emg_unit: expected mV, as EDC (mV) says, but found 'uV'. Leave emg_unit out, or rename the column.",
+        ),
+        (table("time [s]", "EDC", "Fz [N]"), {"force_unit": "kgf"}, "force_unit: expected N, as Fz [N] says"),
+        (table("time [s]", "EDC", "Fz").assign(EDC=True), {}, "column 'EDC': expected numbers, but found bool values"),
+        (
+            table("time [s]", "EDC", "Fz").assign(EDC=np.array([True, 1.0] * (N // 2), dtype=object)), {},
+            "column 'EDC': expected numbers, but found True",
+        ),
     ],
 )  # fmt: skip
 def test_headers_that_tell_nothing_or_too_much_are_refused(

@@ -62,6 +62,30 @@ def test_one_person_has_no_interval_and_names_may_be_numbers() -> None:
     assert [label.get_text() for label in axes.get_xticklabels()] == ["1", "2"]
 
 
+@pytest.mark.filterwarnings("error")
+def test_names_are_shown_letter_by_letter() -> None:
+    names = ["$a^2$", "_soft"]
+    fits = FITS.assign(specimen=FITS["specimen"].map({"S1": names[0], "S2": names[1]}))
+    axes = emg2vsa.plot_fits(fits)
+    legend = axes.get_legend()
+    assert legend is not None
+    shown = [*legend.get_texts(), *emg2vsa.plot_specimens(fits).get_xticklabels()]
+    assert [text._preprocess_math(text.get_text()) for text in shown] == [(name, False) for name in names * 2]  # type: ignore[attr-defined]
+
+
+@pytest.mark.filterwarnings("error")
+def test_presses_of_one_recording_need_no_legend(recording: emg2vsa.Recording) -> None:
+    assert emg2vsa.plot_fits(emg2vsa.fit(recording)).get_legend() is None
+
+
+def test_a_rejected_press_says_so_and_why(recording: emg2vsa.Recording) -> None:
+    settings = emg2vsa.Settings(window={"min_duration_s": 0.1, "max_duration_s": 0.3})
+    reason = emg2vsa.fit(recording, settings)["reason"].iloc[0]
+    assert reason
+    assert emg2vsa.plot_press(recording, 1, settings).get_title() == f"press 1 rejected: {reason}"
+    assert emg2vsa.plot_press(recording, 1).get_title() == ""
+
+
 def test_one_press_with_its_fit(recording: emg2vsa.Recording) -> None:
     _, own = pyplot.subplots()
     axes = emg2vsa.plot_press(recording, 2, axes=own)
