@@ -32,14 +32,15 @@ def write_new(path: Path, data: bytes) -> None:
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
             whole = Path(folder) / "whole"
             write_bytes_atomic(whole, data, on_disk=True)
-            _link_or_write(whole, path)
+            link_new(whole, path)
         sync_folder(path.parent)
     except OSError as error:
         error.filename, error.filename2 = str(path), None
         raise
 
 
-def _link_or_write(whole: Path, path: Path) -> None:
+def link_new(whole: Path, path: Path) -> None:
+    """Let ``path`` be the file ``whole`` too, or a copy of it. FileExistsError : ``path`` is there already."""
     try:
         os.link(whole, path)
     except FileExistsError:

@@ -73,7 +73,7 @@ class Program:
 
     name : as typed. Module ``<name>.cli.<command>`` adds its parser in ``add_to(commands)``, with its work as ``run``.
     version, description, epilog : for ``--version`` and ``--help``; the exit statuses are added to the epilog.
-    commands : as for `add_subcommands`. stopped : what Ctrl-C leaves, said after it.
+    commands : as for `add_subcommands`. stopped : what Ctrl-C leaves, said after it; a command may set its own.
     extras : library to the extra of the package that installs it.
     moved : an older spelling to the one of today, each of one or two words. The older one still runs, and says so.
     """
@@ -94,6 +94,7 @@ class Program:
         # also as argparse takes them: shortened, and several letters together
         VOICE.quiet = any(re.fullmatch("-v?q[vq]*|--q(u(i(et?)?)?)?", word) for word in words)
         VOICE.json = any(re.fullmatch("--js(on?)?(=.*)?", word, re.DOTALL) for word in words)
+        arguments = argparse.Namespace()
         try:
             arguments = self.parser().parse_args(self._of_today(words))
             VOICE.quiet, VOICE.verbose = arguments.quiet, arguments.verbose
@@ -116,7 +117,7 @@ class Program:
             text = f"{error.filename or 'input or output'}: {error.strerror or error}"
             return self._failed(f"{self.name}: {text}", message=text)
         except KeyboardInterrupt:
-            text = f"Stopped. {self.stopped}"
+            text = f"Stopped. {getattr(arguments, 'stopped', self.stopped)}"
             print(f"\n{text}", file=sys.stderr)
             _print_error(130, message=text)
             return 130

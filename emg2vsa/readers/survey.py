@@ -37,6 +37,8 @@ _MOST_ACCELERATION_G = 20
 _FORCE_NAME = re.compile(r"(^|[^a-z])(f[xyz]?|forces?|load([ _-]?cell)?|kraft|grip|loadcell)([^a-z]|$)", re.IGNORECASE)
 _EMG_NAME = re.compile(r"emg|(^|[^a-z])(edc|fds|fcr|fcu|ecr|ecu|fdp|biceps|triceps)([^a-z]|$)", re.IGNORECASE)
 _NOT_EMG = re.compile(r"(^|[^a-z])(acc|gyro|mag|angle|temp|trig|sync)", re.IGNORECASE)
+_SMALLEST, _LARGEST = 1e-60, 1e60
+"""No instrument writes values beyond these in any unit, and their fourth powers still fit into a float."""
 _MEANT = {
     "acceleration": ("g", "G", "m/s^2", "m/s²"), "turning rate": ("deg/s", "°/s", "dps", "rad/s"),
     "angle": ("deg", "°", "rad"), "length": ("mm", "cm", "m"), "torque": ("Nm", "Nmm", "N.m", "N·m"),
@@ -81,13 +83,17 @@ class ChannelFacts:
 
 @dataclass(frozen=True)
 class FileFacts:
-    """format : of the file. stored : the channels' samples as the file holds them, None where they cannot be read."""
+    """format : of the file. stored : the channels' samples as the file holds them, None where they cannot be read.
+
+    untimed : names of channels whose rate the file does not state.
+    """
 
     path: Path
     format: str
     channels: tuple[ChannelFacts, ...]
     notes: tuple[str, ...]
     stored: tuple[StoredChannel | None, ...]
+    untimed: tuple[str, ...] = ()
 
     @property
     def emg(self) -> list[ChannelFacts]:
@@ -117,6 +123,8 @@ def survey(path: Path, reading: ReadingSettings | None = None, fs_hz: float | No
     """
     name, opened = open_recording(path, reading or ReadingSettings())
     stored, faults = _loaded(opened)
+    stored = [s and _without_infinities(s) for s in stored]
+    untimed = tuple(s.name for s in stored if s is not None and not s.fs_hz > 0)
     if fs_hz is not None:
         stored = [replace(s, fs_hz=fs_hz) if s is not None and not s.fs_hz > 0 else s for s in stored]
     facts = [
@@ -125,8 +133,16 @@ def survey(path: Path, reading: ReadingSettings | None = None, fs_hz: float | No
     ]
     notes = [*opened.contents.notes, *(note for channel in stored if channel for note in channel.notes)]
     return FileFacts(
-        Path(path), name, tuple(_with_force(facts, stored)), tuple(dict.fromkeys(notes)), tuple(stored)
+        Path(path), name, tuple(_with_force(facts, stored)), tuple(dict.fromkeys(notes)), tuple(stored), untimed
     )  # fmt: skip
+
+
+def _without_infinities(channel: StoredChannel) -> StoredChannel:
+    """Infinite samples are missing ones: no mean of the others can hold them."""
+    infinite = np.isinf(channel.samples)
+    if not infinite.any():
+        return channel
+    return replace(channel, samples=np.where(infinite, np.nan, channel.samples))
 
 
 def _loaded(opened: OpenRecording) -> tuple[list[StoredChannel | None], list[str]]:
@@ -159,6 +175,9 @@ def _facts(channel: StoredChannel) -> ChannelFacts:
     facts = replace(facts, low=float(samples.min()), high=float(samples.max()))
     if facts.low == facts.high:
         return replace(facts, guess="flat: nothing was connected")
+    largest = max(abs(facts.low), abs(facts.high))
+    if not _SMALLEST < largest < _LARGEST:
+        return replace(facts, guess=f"no signal: values up to {_short(largest)}")
     kind = _by_shape(samples)
     if kind or not channel.fs_hz > 0:
         return replace(facts, guess=kind or f"{_by_words(facts)}; {NO_RATE}")

@@ -14,6 +14,9 @@ from emg2vsa.study_file.drafting import MUSCLES, Found, positive
 _T = TypeVar("_T")
 _FORCES = ("N", "mN", "kN", "kgf", "gf", "lbf")
 _VOLTS = ("V", "mV", "uV")
+_WEIGHTS = {"g": "gf", "kg": "kgf", "lb": "lbf"}
+"""What a scale shows, and the force that is meant."""
+_YES, _NO = ("yes", "y", "ja", "j"), ("no", "n", "nein")
 
 
 class Ask(Protocol):
@@ -66,14 +69,24 @@ def _ask_names(found: Found, ask: Ask) -> Found:
     question += f"{_some(naming.specimens)}\nIs it so? If not, type one name of what was pressed."
 
     def parse(text: str) -> Naming:
-        if text in ("yes", *naming.specimens):
+        if text in naming.specimens:
             return naming
         other, _ = naming_of_pairs(found.files, [text])
         if other is None or text not in other.specimens:
             raise ValueError
         return other
 
-    return replace(found, naming=ask(question, "yes", parse, "yes, or a part of the files' names"))
+    def is_so(text: str) -> Naming | None:
+        is_part = any(text in re.split(r"[^A-Za-z0-9]", file) for file in found.files)  # somebody may be called n
+        if text.lower() in _YES and not is_part:
+            return naming
+        return None if text.lower() in _NO and not is_part else parse(text)
+
+    told = ask(question, "yes", is_so, "yes, or a part of the files' names")
+    if told is None:
+        question = f"Then what was pressed? Type one part of {found.files[0]} or of another name that tells it."
+        told = ask(question, "", parse, "a part of the files' names")
+    return replace(found, naming=told)
 
 
 def _ask_force(found: Found, ask: Ask) -> Found:
@@ -176,6 +189,7 @@ def _number(text: str) -> float:
 
 def _one_of(words: Sequence[str]) -> Callable[[str], str]:
     def parse(text: str) -> str:
+        text = re.sub("^[µμ]", "u", text)  # the sign of micro, and the Greek letter
         if text not in words:
             raise ValueError
         return text
@@ -196,4 +210,5 @@ def _either(yes: str, no: str) -> Callable[[str], bool]:
 
 
 def _force_unit(text: str) -> str:
+    text = _WEIGHTS.get(text, text)
     return text if text in _FORCES else f"{_number(text):g}"

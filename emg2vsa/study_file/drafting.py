@@ -61,6 +61,12 @@ class Found:
             name, self.naming, self.files, self.emg_channels, self.force_channel, stiffness, seen, presses
         )  # fmt: skip
 
+    @property
+    def needs_no_rate(self) -> bool:
+        """Whether a rate was given, and the files state that of every channel."""
+        used = [*self.emg_channels.values(), *([self.force_channel] if self.force_channel else [])]
+        return self.fs_hz is not None and all(channel.fs_hz is None for channel in used)
+
     def rate_hz(self, channel: DraftChannel) -> float:
         """Rate of a channel, Hz, as the files tell it; NaN where they do not."""
         facts = self.force if channel.is_force else self.emg
@@ -69,8 +75,9 @@ class Found:
     def drafted(self, channel: ChannelFacts) -> DraftChannel:
         """A channel of the files as the study file is to have it."""
         is_force = channel.role != "EMG"
+        fs_hz = self.fs_hz if channel.name in (self.force if is_force else self.emg).untimed else None
         return DraftChannel(
-            channel.name, channel.unit, self.fs_hz, channel.sign, channel.guess, not channel.fs_hz > 0, is_force,
+            channel.name, channel.unit, fs_hz, channel.sign, channel.guess, not channel.fs_hz > 0, is_force,
             max(abs(channel.low), abs(channel.high)),
         )  # fmt: skip
 
@@ -143,6 +150,9 @@ def stiffness_of(given: Sequence[str]) -> dict[str, float]:
     found: dict[str, float] = {}
     for one in given:
         name, _, text = one.partition("=")
+        if name in found:
+            do = "Give one stiffness for each specimen."
+            raise SettingError("--stiffness", wanted="each specimen once", found=f"{name!r} twice", do=do)
         found[name] = positive(text)
         if math.isnan(found[name]):
             wanted = "NAME=NUMBER in N/mm, such as S1=7.63"
@@ -179,6 +189,12 @@ def _usable(paths: Sequence[Path], reading: ReadingSettings) -> tuple[list[Path]
     """Those that open with channels, and what is wrong with each of the others."""
     usable, unread = [], []
     for path in paths:
+        try:
+            os.fspath(path).encode()  # a study file is text
+        except UnicodeEncodeError:
+            name = os.fsencode(path.name).decode(errors="backslashreplace")
+            unread.append(f"{name}, a path that is not in UTF-8: rename it")
+            continue
         try:
             _, opened = open_recording(path, reading)
             if opened.contents.names:

@@ -117,8 +117,11 @@ def test_no_input_and_no_text_are_told(feed: str, tmp_path: Path) -> None:
 
 
 def test_a_study_file_is_no_page(tmp_path: Path, capsys: Screen) -> None:
-    assert main(["new", str(folder_of(tmp_path)), "--out", str(tmp_path / "a.html")]) == 2
-    assert "a.html: expected a name such as study.toml, but found that of a page" in capsys.readouterr().err
+    before = set(folder_of(tmp_path).iterdir())
+    for name in (str(tmp_path / "a.html"), str(tmp_path / "a"), ".", "", "/"):
+        assert main(["new", str(tmp_path), "--out", name]) == 2
+        assert f"--out: expected a name that ends in .toml, but found {str(Path(name))!r}" in capsys.readouterr().err
+    assert set(tmp_path.iterdir()) == before
 
 
 def test_ctrl_c_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Screen) -> None:
@@ -129,7 +132,7 @@ def test_ctrl_c_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, 
     before = set(folder_of(tmp_path).iterdir())
     monkeypatch.setattr("sys.stdin", Keyboard())
     assert main(["new", str(tmp_path), "--ask"]) == 130
-    assert "Stopped." in capsys.readouterr().err
+    assert "Stopped. Nothing was written." in capsys.readouterr().err
     assert set(tmp_path.iterdir()) == before
 
 
