@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     from emg2vsa.errors import SettingError
     from emg2vsa.pipeline.places import recordings_in
     from emg2vsa.study_file.dialogue import ask_about
-    from emg2vsa.study_file.draft import FILL
+    from emg2vsa.study_file.draft_channel import FILL
     from emg2vsa.study_file.drafting import by_specimen, look, stiffness_of, study_name
 
     folder, out = arguments.folder, arguments.out or arguments.folder / "study.toml"
@@ -77,6 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     channels = [*found.emg_channels.values(), *([found.force_channel] if found.force_channel else [])]
     lines = [
         f"{out}: {found.named} of {len(found.files)} recordings, from {folder}",
+        *(f"  {one}" for one in found.told),
         *(f"  {channel.name}: {channel.said}" for channel in channels),
         *(f"  {hint}" for hint in found.hints),
         *([f"  --fs {arguments.fs:g}: left aside, as the files state their rates"] if found.needs_no_rate else []),

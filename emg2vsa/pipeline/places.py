@@ -134,7 +134,7 @@ def _below(folder: Path) -> Iterator[Path]:
     found = sorted(folder.rglob("*"))
     made = {path.parent for path in found if path.name in (OWNER_FILE, LEDGER_FILE)} - {folder}
     for path in found:
-        hidden = any(part.startswith(".") for part in path.relative_to(folder).parts)
+        hidden = any(part.startswith((".", "~$")) for part in path.relative_to(folder).parts)
         named = path.stem.upper().startswith(("LICENSE", "README", "SOURCES")) or _TABLES_OF_BIDS.fullmatch(path.name)
         kept = not hidden and not named and path.suffix.lower() not in NOT_RECORDINGS and made.isdisjoint(path.parents)
         if kept and (path.is_file() or not path.exists()):  # a link to nothing is told as unreadable

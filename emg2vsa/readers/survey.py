@@ -36,7 +36,7 @@ _MOST_ACCELERATION_G = 20
 """No arm reaches it: larger values in g are grams."""
 _FORCE_NAME = re.compile(r"(^|[^a-z])(f[xyz]?|forces?|load([ _-]?cell)?|kraft|grip|loadcell)([^a-z]|$)", re.IGNORECASE)
 _EMG_NAME = re.compile(r"emg|(^|[^a-z])(edc|fds|fcr|fcu|ecr|ecu|fdp|biceps|triceps)([^a-z]|$)", re.IGNORECASE)
-_NOT_EMG = re.compile(r"(^|[^a-z])(acc|gyro|mag|angle|temp|trig|sync)", re.IGNORECASE)
+_NOT_EMG = re.compile(r"(^|[^a-z])(acc|gyro|mag|angle|temp|trig|sync|e[ck]g|eog|eeg|mic(?![a-z]))", re.IGNORECASE)
 _SMALLEST, _LARGEST = 1e-60, 1e60
 """No instrument writes values beyond these in any unit, and their fourth powers still fit into a float."""
 _MEANT = {
@@ -48,6 +48,9 @@ _MEANT = {
 
 NO_RATE = "rate not known: state it with --fs"
 "End of the guess of a channel that would tell more at a known rate."
+_BY_EMG = "it changes with the EMG"
+"Tells a force whose unit and name do not."
+_DEAD = ("empty", "flat", "mains hum", "no signal")
 
 
 @dataclass(frozen=True)
@@ -57,7 +60,7 @@ class ChannelFacts:
     low, high : smallest and largest sample. clip_share : of samples held at either. noise : rms of the quietest quarter
     seconds. mains_share : of the power at 50 or 60 Hz and harmonics. missing : samples that are no numbers.
     role, guess : what it probably is, for programs and in words. sign : -1 where pressing lowers the force.
-    fault : why it cannot be read, or "".
+    may_press : whether it may be the force. fault : why it cannot be read, or "".
     """
 
     name: str
@@ -73,6 +76,7 @@ class ChannelFacts:
     role: Role = "other"
     guess: str = ""
     sign: int = 1
+    may_press: bool = False
     fault: str = ""
 
     @property
@@ -100,6 +104,23 @@ class FileFacts:
         return [channel for channel in self.channels if channel.role == "EMG"]
 
     @property
+    def lost(self) -> list[ChannelFacts]:
+        """Channels that unit or name would let be EMG, and whose samples do not."""
+        return [each for each in self.channels if each.role == "other" and _is_lost(each)]
+
+    @property
+    def rivals(self) -> list[ChannelFacts]:
+        """Channels that may be the force as well as the one that was taken for it.
+
+        A force across the pressing that is less than half as large is none: F/T sensors have two of these.
+        """
+        taken = self.force
+        found = [each for each in self.channels if each.may_press and taken and each.name != taken.name]
+        if taken is None or _BY_EMG in taken.guess:
+            return found
+        return [each for each in found if not each.guess.startswith("slow") and not _is_sideways(each, taken)]
+
+    @property
     def hint(self) -> str:
         """What to do about channels that unit or name tell to be EMG or force, and whose rate is not known; or ""."""
         named = [
@@ -113,6 +134,20 @@ class FileFacts:
     def force(self) -> ChannelFacts | None:
         """The channel that is most probably the pressing force."""
         return next((channel for channel in self.channels if channel.role == "force"), None)
+
+
+def _is_lost(facts: ChannelFacts) -> bool:
+    known, words = si_factor(facts.unit), _by_words(facts)
+    if _NOT_EMG.search(facts.name) or (facts.unit is not None and (known is None or known[0] != "V")):
+        return False
+    if facts.guess.startswith(_DEAD):
+        return not words.startswith("force") and (known is not None or words.startswith("EMG") or words == "unknown")
+    return words.startswith("EMG") and not facts.guess.endswith(NO_RATE)
+
+
+def _is_sideways(facts: ChannelFacts, taken: ChannelFacts) -> bool:
+    across = re.search(r"f[ _-]?\d*[ _-]?[xy](?![a-z])", facts.name, re.IGNORECASE) is not None
+    return across and facts.unit == taken.unit and 2 * (facts.high - facts.low) < taken.high - taken.low
 
 
 def survey(path: Path, reading: ReadingSettings | None = None, fs_hz: float | None = None) -> FileFacts:
@@ -171,7 +206,7 @@ def _facts(channel: StoredChannel) -> ChannelFacts:
     samples = channel.samples[~gone]
     facts = ChannelFacts(channel.name, channel.unit, channel.fs_hz, channel.samples.size, missing=int(gone.sum()))
     if samples.size < 2:
-        return replace(facts, guess="empty")
+        return replace(facts, guess="empty: hardly a sample is a number")
     facts = replace(facts, low=float(samples.min()), high=float(samples.max()))
     if facts.low == facts.high:
         return replace(facts, guess="flat: nothing was connected")
@@ -220,11 +255,14 @@ def _judged(facts: ChannelFacts, samples: Floats) -> ChannelFacts:
     """EMG by its unit, name and spectrum; a force is chosen among all channels later."""
     words, known = _by_words(facts), si_factor(facts.unit)
     is_slow = _slow_share(samples, facts.fs_hz) > _SLOW_SHARE
+    is_hum = facts.mains_share > _HUM_SHARE
     may_be_emg = (known is None or known[0] == "V") and not _NOT_EMG.search(facts.name)
     if facts.unit not in (None, "counts") and known is None and not words.startswith("EMG"):
         may_be_emg = False
-    if may_be_emg and not is_slow and facts.fs_hz >= 100 and not words.startswith("force"):
-        if facts.mains_share > _HUM_SHARE:
+    if words.startswith("force"):  # volts of a muscle with a name such as F1
+        may_be_emg = may_be_emg and known is not None and not is_hum
+    if may_be_emg and not is_slow and facts.fs_hz >= 100:
+        if is_hum:
             if words.startswith("EMG"):
                 hum = f"EMG, by its name, but {100 * facts.mains_share:.0f} % of its power is mains"
                 return replace(facts, role="EMG", guess=hum)
@@ -233,6 +271,8 @@ def _judged(facts: ChannelFacts, samples: Floats) -> ChannelFacts:
         return replace(facts, role="EMG", guess=f"looks like EMG, by its {unit}spectrum")
     if words == "unknown":
         words = "slow: no EMG" if is_slow else "unknown: fast"
+    elif words.startswith("EMG") and is_slow:
+        words += ", but slow as an envelope is"
     return replace(facts, guess=words)
 
 
@@ -272,9 +312,10 @@ def _with_force(facts: list[ChannelFacts], stored: Sequence[StoredChannel | None
     if best is None or score <= 0:
         return facts
     samples = next(s for f, s in pairs if f is best).samples
-    why = "" if best.guess.startswith(("a force", "force")) else f" (it changes with the EMG, r = {together:+.2f})"
+    why = "" if best.guess.startswith(("a force", "force")) else f" ({_BY_EMG}, r = {together:+.2f})"
     force = _as_force(best, samples, together, why)
-    return [force if f is best else f for f in facts]
+    likely = {id(f) for (each, _), f in scored if each > 0}
+    return [force if f is best else replace(f, may_press=id(f) in likely) for f in facts]
 
 
 def force_by_file(facts: FileFacts) -> FileFacts:

@@ -15,7 +15,7 @@ from emg2vsa.report.recordings import file_section
 from emg2vsa.report.session_plots import LEGEND, MARKS, emg_trace, force_trace
 from emg2vsa.report.wording import count
 from emg2vsa.study import RecordingEntry
-from emg2vsa.study_file.draft import FILL, DraftChannel
+from emg2vsa.study_file.draft_channel import FILL, DraftChannel
 from emg2vsa.study_file.drafting import Found
 
 _HEADS = ("role", "channel", "unit", "rate, Hz", "why")
@@ -49,11 +49,11 @@ def draft_page(found: Found, text: str, file: Path, shown: tuple[RecordingEntry,
 
 def _names(found: Found) -> list[str]:
     if found.naming is None:
-        return ["The names of the files show no pattern, so the study file lists them one by one."]
-    naming = found.naming
-    told = [f"Files: {naming.pattern}", f"Force files: {naming.force_pattern}" if naming.force_pattern else ""]
-    told += [f"Who pressed: {', '.join(naming.participants)}", f"What was pressed: {', '.join(naming.specimens)}"]
-    return [*filter(None, told), *naming.guessed]
+        files = ["The names of the files show no pattern, so the study file lists them one by one."]
+    else:
+        files = [f"Files: {found.naming.pattern}"]
+        files += [f"Force files: {found.naming.force_pattern}"] if found.naming.force_pattern else []
+    return [*files, *(f"{one[0].upper()}{one[1:]}" if one.startswith("wh") else one for one in found.told)]
 
 
 def _channels(found: Found) -> str:

@@ -8,7 +8,8 @@ from dataclasses import replace
 from typing import Protocol, TypeVar
 
 from emg2vsa.readers.survey import ChannelFacts
-from emg2vsa.study_file.draft import DraftChannel, Naming, naming_of_pairs
+from emg2vsa.study_file.draft import Naming, naming_of_pairs
+from emg2vsa.study_file.draft_channel import DraftChannel
 from emg2vsa.study_file.drafting import MUSCLES, Found, positive
 
 _T = TypeVar("_T")
@@ -93,7 +94,7 @@ def _ask_force(found: Found, ask: Ask) -> Found:
     """Which channel the force is, where several may be it or none looks like it."""
     facts = found.force
     fit = [c for c in facts.channels if c.role == "force" or (c.role == "other" and c.fs_hz > 0 and c.noise >= 0)]
-    likely = [c for c in fit if c.role == "force" or c.guess.startswith(("a force", "force"))]
+    likely = [c for c in fit if c.role == "force" or c.may_press]
     shown = likely if facts.force and len(likely) > 1 else fit
     if (len(shown) < 2 and facts.force) or not shown:
         return found
@@ -104,24 +105,29 @@ def _ask_force(found: Found, ask: Ask) -> Found:
 
 
 def _ask_muscles(found: Found, ask: Ask) -> Found:
-    """Which muscle each EMG channel is, where their names do not tell."""
+    """Which muscle each EMG channel is, where the names of some do not tell."""
     channels = found.emg_channels
-    if MUSCLES.keys() & channels.keys() or not channels:
+    used = [channel.name for channel in channels.values()]
+    more = [found.drafted(channel) for channel in found.emg.emg if channel.name not in used]
+    if channels.keys() <= MUSCLES.keys() and not more:
         return found
-    names = [channel.name for channel in channels.values()]
-    listed = "\n".join(f"  {number} {c.name}: {c.said}" for number, c in enumerate(channels.values(), 1))
-    question = f"{listed}\nWhich muscles are they? Such as 1=FDS 2=EDC; the others are left out. (Enter: all are used)"
+    shown = [*channels.values(), *more]
+    names = [channel.name for channel in shown]
+    listed = "\n".join(f"  {number} {c.name}: {c.said}" for number, c in enumerate(shown, 1))
+    all_used = f"only {', '.join(used)} are used" if more else "all are used"
+    question = f"{listed}\nWhich muscles are they? Such as 1=FDS 2=EDC; the others are left out. (Enter: {all_used})"
 
     def parse(text: str) -> dict[str, DraftChannel]:
         if not text:
             return dict(channels)
         pairs = [re.fullmatch(r"(.+)=(\w+)", word) for word in re.split(r"[\s,;]+", text)]
-        told = {pair[2]: channels[_by_number(pair[1], names)] for pair in pairs if pair}
+        told = {pair[2]: shown[names.index(_by_number(pair[1], names))] for pair in pairs if pair}
         if None in pairs or len({channel.name for channel in told.values()}) < len(pairs):
             raise ValueError
         return told
 
-    return replace(found, emg_channels=ask(question, "", parse, "pairs such as 1=FDS 2=EDC"))
+    told = ask(question, "", parse, "pairs such as 1=FDS 2=EDC")
+    return replace(found, emg_channels=told, left_out=found.left_out if told == channels else ())
 
 
 def _ask_about_force(force: DraftChannel, ask: Ask) -> DraftChannel:

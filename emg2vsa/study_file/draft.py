@@ -2,17 +2,14 @@
 
 from __future__ import annotations
 
-import json
-import math
 import re
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
-from emg2vsa.readers.units import si_factor
-from emg2vsa.study_file.patterns import REPETITION
+from emg2vsa.study_file.draft_channel import FILL, DraftChannel, channel_lines, toml_text
+from emg2vsa.study_file.patterns import REPETITION, Cell
+from emg2vsa.study_file.plain_names import cell_of, in_ascii, numbered, plain_parts, plain_path
 
-FILL = "FILL IN"
-"""Marks every line that a person must look at."""
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9.-]*")
 _DATE = re.compile(
     r"(19|20)\d{2}-?(0[1-9]|1[0-2])-?([0-2]\d|3[01])([T-]?\d{2}[-.h]?\d{2}([-.m]?\d{2})?)?s?|\d{6,}|\d{2}[-.]\d{2}[-.](\d{2}){1,2}"
@@ -27,7 +24,10 @@ _KEY = re.compile(r"[A-Za-z]{3,}-(?=.)")
 """``sub-`` or ``task-``: a key before a value, as BIDS and LabRecorder write them."""
 _CONTROL = re.compile(r"[\x00-\x08\x0a-\x1f\x7f]")
 """What no comment of TOML may hold; names of files may."""
-_OF_MASS = {"kg": "kgf", "g": "gf", "lb": "lbf", "lbs": "lbf"}
+_NO_SPECIMEN = re.compile(
+    r"(mvi?c|rest|ruhe|baseline|practi[cs]e|training|warm-?up|calib\w*|pilot|test|dummy|demo)[-.]?\d*", re.IGNORECASE
+)
+"""What files are called that hold no presses on a specimen."""
 _SEPARATORS, _HYPHENS = re.compile(r"([/_ ]+)"), re.compile(r"(-)")
 
 
@@ -37,7 +37,8 @@ class Naming:
 
     pattern : with placeholders and ``*``. participants, specimens : as the names have them, in their order.
     left_out : files that are named otherwise. guessed : what a person should check, a sentence each.
-    force_pattern : where force has files of its own, or "".
+    force_pattern : where force has files of its own, or "". cells : of files whose names no id may have, which no
+    pattern finds. forces : the force file of each of them that has one.
     """
 
     pattern: str
@@ -46,6 +47,8 @@ class Naming:
     left_out: tuple[str, ...]
     guessed: tuple[str, ...]
     force_pattern: str = ""
+    cells: Mapping[str, Cell] = field(default_factory=dict)
+    forces: Mapping[str, str] = field(default_factory=dict)
 
 
 _EMG_FILE, _FORCE_FILE = (
@@ -59,6 +62,50 @@ def naming_of_pairs(files: Sequence[str], pressed: Collection[str] = ()) -> tupl
 
     pressed : names of specimens that are known.
     """
+    found, force = _pairs_as_written(files, pressed)
+    if found is None or "*" in found.pattern:
+        plain = _in_plain_names(files, pressed)
+        if plain is not None and (found is None or _n_cells(plain[0]) > _n_cells(found)):
+            return plain
+    return found, force
+
+
+def _n_cells(naming: Naming) -> int:
+    return len(naming.participants) * len(naming.specimens)
+
+
+def _in_plain_names(files: Sequence[str], pressed: Collection[str]) -> tuple[Naming, list[str]] | None:
+    """The naming as if all names were in letters that ids may have; None where they are or show no pattern."""
+    written = plain_parts(files)
+    own = {plain_path(file, written): file for file in files}
+    found, force = _pairs_as_written(list(own), pressed)
+    if found is None or list(own) == list(files):
+        return None
+    tokens = {plain for part, plain in written.items() if part and not in_ascii(part)}
+    people, specimens = numbered(found.participants, tokens, "P"), numbered(found.specimens, tokens, "S")
+    who = found.participants, found.specimens
+    told = {file: cell_of(file, found.pattern, *who) for file in own if file not in force}
+    by_cell = {cell_of(file, found.force_pattern, *who): own[file] for file in force}
+    known = [(cell, own[file]) for file, cell in told.items() if cell is not None and file not in found.left_out]
+    origin = {plain: part for part, plain in written.items()}
+    ids = [(origin.get(name, name), new) for name, new in [*people.items(), *specimens.items()]]
+    changed = ", ".join(f"{name} is {new}" for name, new in ids if name != new)
+    guessed = found.guessed
+    for plain in (name for both in who for name in both):
+        guessed = tuple(guess.replace(repr(plain), repr(origin.get(plain, plain))) for guess in guessed)
+    naming = replace(
+        found,
+        participants=tuple(people[name] for name in found.participants),
+        specimens=tuple(specimens[name] for name in found.specimens),
+        left_out=tuple(own[file] for file in found.left_out),
+        guessed=(*guessed, *([f"ids have ASCII letters only: {changed}."] if changed else [])),
+        cells={file: (people[cell[0]], specimens[cell[1]]) for (cell, _), file in sorted(known)},
+        forces={file: by_cell[cell] for cell, file in known if cell in by_cell},
+    )
+    return naming, [own[file] for file in force]
+
+
+def _pairs_as_written(files: Sequence[str], pressed: Collection[str]) -> tuple[Naming | None, list[str]]:
     emg, force = ([file for file in files if kind.search(file)] for kind in (_EMG_FILE, _FORCE_FILE))
     forces = partners(files)
     if emg and len(emg) == len(force) and not set(emg) & set(force):
@@ -243,105 +290,87 @@ def _one_part(
     return (None, None, None, ["The one file was taken for one participant on one specimen."]) if not named else None
 
 
-@dataclass(frozen=True)
-class DraftChannel:
-    """name : in the file. unit : the one it states, or None. fs_hz : where the file states none, else None.
-
-    sign : of the force. said : what it was taken for, and why. no_rate : the file states no rate and nobody else did.
-    is_force : else it is EMG. largest : value, whatever its sign. told_unit : that a person told; of a force it may be
-    how many newtons a unit is.
-    """
-
-    name: str
-    unit: str | None
-    fs_hz: float | None = None
-    sign: int = 1
-    said: str = ""
-    no_rate: bool = False
-    is_force: bool = False
-    largest: float = math.nan
-    told_unit: str = ""
-
-    @property
-    def is_unit_guessed(self) -> bool:
-        """Whether neither the file nor a person states a unit of EMG or force."""
-        known = si_factor(self.unit)
-        return not self.told_unit and (known is None or known[0] != ("N" if self.is_force else "V"))
-
-    @property
-    def guessed_unit(self) -> str:
-        """Of the EMG by its size: hardly any is above 20 mV, and below 20 uV none is usable."""
-        if self.is_force:
-            return _OF_MASS.get(self.unit or "", "N" if self.unit is None else "1")
-        return "V" if self.largest < 0.02 else "uV" if self.largest > 20 else "mV"
-
-    @property
-    def unit_doubt(self) -> str:
-        """Why the unit is a guess."""
-        if self.is_force and self.unit in _OF_MASS:
-            return f"the file states {self.unit}, a mass; is its weight meant?"
-        stated = "no unit" if self.unit is None else self.unit
-        size = "" if self.is_force or math.isnan(self.largest) else f", by the largest value, {self.largest:.3g}"
-        return f"the file states {stated}; this is a guess{size}"
-
-
 def draft(
     name: str, naming: Naming | None, files: Sequence[str], emg: Mapping[str, DraftChannel], force: DraftChannel | None,
-    stiffness: Mapping[str, float], seen: Sequence[str], presses: int | None = None,
+    stiffness: Mapping[str, float], seen: Sequence[str], presses: int | None = None, left_out: Sequence[str] = (),
+    base: str = "", said: Sequence[str] = (),
 ) -> str:  # fmt: skip
     """The text of the study file. seen : what was looked at. presses : of each participant on each specimen.
 
-    ``files`` are listed one by one where ``naming`` is None.
+    left_out : channels that may be EMG, and why they are not used. base : the folder of the files, "" or with "/" at
+    its end. said : of the files, what a person must look at. Files that no pattern finds are listed one by one.
     """
     lines = [f"# Drafted by emg2vsa new. Lines marked {FILL} wait for you; the others are worth a look.", ""]
-    lines += ["[study]", f"name = {_text(name)}", ""]
-    forces = partners(files) if naming is None else {}
-    files = [file for file in files if file not in forces.values()]
-    listed = [_listed(file) for file in files] if naming is None else []
-    people = naming.participants if naming else tuple(dict.fromkeys(person for person, _ in listed))
-    specimens = naming.specimens if naming else tuple(dict.fromkeys(specimen for _, specimen in listed))
-    lines += ["[participants]", f"ids = [{', '.join(map(_text, people))}]"]
+    lines += ["[study]", f"name = {toml_text(name)}", ""]
+    people, specimens = people_and_specimens(naming, files)
+    lines += [f"# {FILL}: {doubt}" for doubt in doubtful((*people, *specimens))]
+    lines += ["[participants]", f"ids = [{', '.join(map(toml_text, people))}]"]
     if naming and "{participant}" not in naming.pattern:
         lines[-1] += f"  # {FILL}: the names of the files do not tell who was recorded"
     for specimen in specimens:
-        lines += ["", "[[specimens]]", f"name = {_text(specimen)}"]
+        lines += ["", "[[specimens]]", f"name = {toml_text(specimen)}"]
         if naming and "{specimen}" not in naming.pattern:
             lines[-1] += f"  # {FILL}: the names of the files do not tell what was pressed"
         if specimen in stiffness:
             lines.append(f"stiffness_n_per_mm = {stiffness[specimen]:g}")
         else:
             lines.append(f"# stiffness_n_per_mm =   # {FILL} where it was measured (emg2vsa tools stiffness)")
-    lines += ["", "[recordings]", *_recordings(naming, files, listed, forces)]
+    lines += ["", "[recordings]", *(f"# {FILL}: {one}" for one in said), *_recordings(naming, files, base)]
     lines += ["", "# Channels, guessed from", *(f"#   {one}" for one in seen)]
+    lines += [f"# {FILL} a table as those below where it is to be used; left out: {one}" for one in left_out]
     for role, channel in emg.items():
-        lines += ["", f"[channels.emg.{_text(role)}]", *_channel(channel)]
+        lines += ["", f"[channels.emg.{toml_text(role)}]", *channel_lines(channel)]
     if not emg:
         lines += ["", f"# {FILL}: no channel looks like EMG. Name one for each muscle, as:", "# [channels.emg.EDC]"]
         lines += ['# name = "..."']
     lines += ["", "[channels.force]"]
-    lines += [f'name = "..."  # {FILL}: no channel looks like the force'] if force is None else _channel(force)
+    lines += [f'name = "..."  # {FILL}: no channel looks like the force'] if force is None else channel_lines(force)
     planned = f"# expected_trials = 10   # {FILL}: presses of each participant on each specimen"
     lines += [
         "", "[window]", planned if presses is None else f"expected_trials = {presses}", "",
         "# A specimen that nobody pressed, for which schedules are to be made; specimens need their stiffness for it:",
         "# [profile]", '# new_specimen = "new"', "# new_stiffness_n_per_mm = 3.0", "",
     ]  # fmt: skip
-    return "\n".join(_CONTROL.sub(lambda match: _text(match[0])[1:-1], line) for line in lines)
+    return "\n".join(_CONTROL.sub(lambda match: toml_text(match[0])[1:-1], line) for line in lines)
 
 
-def _recordings(
-    naming: Naming | None, files: Sequence[str], listed: Sequence[tuple[str, str]], forces: Mapping[str, str]
-) -> list[str]:
+def people_and_specimens(naming: Naming | None, files: Sequence[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Ids of both, in their order."""
+    if naming is not None:
+        return naming.participants, naming.specimens
+    people, specimens = zip(*_one_by_one(naming, files)[0].values(), strict=True)
+    return tuple(dict.fromkeys(people)), tuple(dict.fromkeys(specimens))
+
+
+def doubtful(names: Sequence[str]) -> list[str]:
+    """What is to be said of names that sound like neither a person nor a thing that was pressed."""
+    doubt = "sounds like neither a person nor a specimen; move its files away if it is none, and begin again"
+    return [f"{name} {doubt}" for name in dict.fromkeys(names) if _NO_SPECIMEN.fullmatch(name)]
+
+
+def _one_by_one(naming: Naming | None, files: Sequence[str]) -> tuple[Mapping[str, Cell], Mapping[str, str]]:
+    """Files that are listed with their cells, and the force file of each that has one; empty where a pattern does."""
+    if naming is not None:
+        return naming.cells, naming.forces
+    forces, written = partners(files), plain_parts(files)
+    return {file: _listed(plain_path(file, written)) for file in files if file not in forces.values()}, forces
+
+
+def _recordings(naming: Naming | None, files: Sequence[str], base: str) -> list[str]:
+    lines, layout = [], f'layout = "files"   # {FILL}: the names of the files show no pattern; check both ids of each'
     if naming is not None:
         lines = [f"# {guess}" if guess.startswith(FILL) else f"# Check: {guess}" for guess in naming.guessed]
         lines += [f"# Not among them, since it is named otherwise: {file}" for file in naming.left_out]
-        force = [f"force_pattern = {_text(naming.force_pattern)}"] if naming.force_pattern else []
-        return [*lines, 'layout = "pattern"', f"pattern = {_text(naming.pattern)}", *force]
-    lines = [f'layout = "files"   # {FILL}: the names of the files show no pattern; check participant and specimen']
-    for file, (person, specimen) in zip(files, listed, strict=True):
-        lines += ["[[recordings.files]]", f"participant = {_text(person)}", f"specimen = {_text(specimen)}"]
-        lines += [f"emg = {_text(file)}"]
-        lines += [f"force = {_text(forces[file])}"] if file in forces else []
+        layout = 'layout = "files"'
+    cells, forces = _one_by_one(naming, files)
+    if naming is not None and not cells:
+        force = [f"force_pattern = {toml_text(base + naming.force_pattern)}"] if naming.force_pattern else []
+        return [*lines, 'layout = "pattern"', f"pattern = {toml_text(base + naming.pattern)}", *force]
+    lines.append(layout)
+    for file, (person, specimen) in cells.items():
+        lines += ["[[recordings.files]]", f"participant = {toml_text(person)}", f"specimen = {toml_text(specimen)}"]
+        lines += [f"emg = {toml_text(base + file)}"]
+        lines += [f"force = {toml_text(base + forces[file])}"] if file in forces else []
     return lines
 
 
@@ -352,26 +381,3 @@ def _listed(file: str) -> tuple[str, str]:
     if len(texts) < 2:
         return "P01", texts[0] if texts else "specimen"
     return texts[0], "_".join(texts[1:])
-
-
-def _channel(channel: DraftChannel) -> list[str]:
-    lines = [f"# {channel.said}"] if channel.said else []
-    lines.append(f"name = {_text(channel.name)}")
-    unit, doubt = channel.told_unit, ""
-    if channel.is_unit_guessed:
-        unit, doubt = channel.guessed_unit, f"   # {FILL}: {channel.unit_doubt}"
-    if unit:
-        is_number = unit[0].isdecimal()
-        lines.append((f"newtons_per_unit = {float(unit)}" if is_number else f'unit = "{unit}"') + doubt)
-    if channel.no_rate:
-        lines.append(f"fs_hz = 1000   # {FILL}: the file has no time column; this is a guess")
-    elif channel.fs_hz is not None:
-        lines.append(f"fs_hz = {channel.fs_hz:g}")
-    if channel.sign < 0:
-        lines.append("sign = -1")
-    return lines
-
-
-def _text(text: str) -> str:
-    """As TOML writes it, whose basic strings are JSON's but for one sign."""
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")

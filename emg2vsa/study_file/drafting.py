@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import hashlib
 import math
 import os
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -13,7 +15,16 @@ from emg2vsa.errors import RecordingError, SettingError
 from emg2vsa.readers.front_door import open_recording
 from emg2vsa.readers.survey import ChannelFacts, FileFacts, force_by_file, survey
 from emg2vsa.settings import ReadingSettings
-from emg2vsa.study_file.draft import DraftChannel, Naming, draft, halves, naming_of_kinds, naming_of_pairs
+from emg2vsa.study_file.draft import (
+    Naming,
+    doubtful,
+    draft,
+    halves,
+    naming_of_kinds,
+    naming_of_pairs,
+    people_and_specimens,
+)
+from emg2vsa.study_file.draft_channel import DraftChannel
 
 MUSCLES = {
     "EDC": r"edc|ext\w*[ _-]?dig\w*", "FDS": r"fds|flex\w*[ _-]?dig\w*(?![ _-]?prof)", "FDP": r"fdp",
@@ -21,16 +32,18 @@ MUSCLES = {
     "ECR": r"ecr\w*|ext\w*[ _-]?carp\w*[ _-]?rad\w*", "ECU": r"ecu|ext\w*[ _-]?carp\w*[ _-]?uln\w*",
 }  # fmt: skip
 """Muscles of the forearm by what channels of theirs are called."""
-_MOST_EMG, _MOST_READ = 8, 10
+MOST_EMG, _MOST_READ = 8, 10
 
 
 @dataclass(frozen=True, eq=False)
 class Found:
     """What a folder holds.
 
-    files : recordings that can be read, relative to the study file. unread : what is wrong with each of the others.
+    files : recordings that can be read, relative to their folder. unread : what is wrong with each of the others.
     named : how many fit the naming. emg, force : channels of the file that tells most, and of that of the force.
     fs_hz : rate of channels whose file states none. emg_channels, force_channel : to be used, the former by muscle.
+    left_out : channels that may be EMG and are not used, and why, a sentence each. base : the folder of the files from
+    the study file, "" or with "/" at its end. copies : files that are others byte by byte, a sentence each.
     """
 
     files: tuple[str, ...]
@@ -43,11 +56,23 @@ class Found:
     fs_hz: float | None
     emg_channels: Mapping[str, DraftChannel] = field(default_factory=dict)
     force_channel: DraftChannel | None = None
+    left_out: tuple[str, ...] = ()
+    base: str = ""
+    copies: tuple[str, ...] = ()
 
     @property
     def specimens(self) -> tuple[str, ...]:
         """As the names of the files have them."""
-        return self.naming.specimens if self.naming else ()
+        return people_and_specimens(self.naming, self.files)[1]
+
+    @property
+    def told(self) -> list[str]:
+        """Who pressed what, and what else a person should look at, a line each."""
+        people, specimens = people_and_specimens(self.naming, self.files)
+        lines = [f"who pressed: {', '.join(people)}", f"what was pressed: {', '.join(specimens)}"]
+        lines += self.naming.guessed if self.naming else []
+        lines += [*doubtful((*people, *specimens)), *self.copies, *(f"left out: {one}" for one in self.left_out)]
+        return [*lines, *([self.force_channel.rival] if self.force_channel and self.force_channel.rivals else [])]
 
     @property
     def hints(self) -> list[str]:
@@ -58,7 +83,8 @@ class Found:
         """The study file. stiffness : of specimens, N/mm. presses : of each participant on each of them, if planned."""
         seen = [*self.looked_at, *self.hints, *(f"could not be read: {one}" for one in self.unread)]
         return draft(
-            name, self.naming, self.files, self.emg_channels, self.force_channel, stiffness, seen, presses
+            name, self.naming, self.files, self.emg_channels, self.force_channel, stiffness, seen, presses,
+            self.left_out, self.base, self.copies,
         )  # fmt: skip
 
     @property
@@ -95,7 +121,8 @@ def look(
     if not usable:
         do = f"Run emg2vsa inspect {folder} for the reasons."
         raise SettingError(folder, wanted="recordings", found="none that can be read", do=do)
-    by_file = {_relative(path, beside): path for path in usable}
+    by_file = {_relative(path, folder): path for path in usable}
+    base = _relative(folder, beside)
     naming, force_files = naming_of_pairs(list(by_file), pressed)
     if not force_files and (pairs := _pairs_by_content(by_file, reading, fs_hz, pressed)) is not None:
         naming, force_files = pairs
@@ -106,13 +133,31 @@ def look(
     if force_files:
         force = force_by_file(_telling([path for file, path in by_file.items() if file in force_files], reading, fs_hz))
     looked_at = dict.fromkeys(_relative(one.path, beside) for one in (emg, force))
-    found = Found(tuple(by_file), tuple(unread), naming, len(named), emg, force, tuple(looked_at), fs_hz)
-    channels = {role: found.drafted(channel) for role, channel in _by_muscle(emg).items()}
+    found = Found(
+        tuple(by_file), tuple(unread), naming, len(named), emg, force, tuple(looked_at), fs_hz,
+        base="" if base == "." else f"{base}/", copies=tuple(_copies(by_file)),
+    )  # fmt: skip
+    used, left_out = _by_muscle(emg)
+    channels = {role: found.drafted(channel) for role, channel in used.items()}
     # one amplifier has one unit
     largest = max((channel.largest for channel in channels.values() if channel.is_unit_guessed), default=math.nan)
     channels = {role: replace(channel, largest=largest) for role, channel in channels.items()}
     pressing = found.drafted(force.force) if force.force else None
-    return replace(found, emg_channels=channels, force_channel=pressing)
+    if pressing is not None:
+        pressing = replace(pressing, rivals=tuple(channel.name for channel in force.rivals))
+    return replace(found, emg_channels=channels, force_channel=pressing, left_out=tuple(left_out))
+
+
+def _copies(by_file: Mapping[str, Path]) -> Iterator[str]:
+    """A sentence for each file that is an earlier one byte by byte; only files of one size are read."""
+    sizes = Counter(path.stat().st_size for path in by_file.values())
+    first: dict[bytes, str] = {}
+    for file, path in sorted(by_file.items(), key=lambda item: len(item[0])):  # copies have the longer names
+        if sizes[path.stat().st_size] > 1:
+            with path.open("rb") as stream:
+                other = first.setdefault(hashlib.file_digest(stream, "sha256").digest(), file)
+            if other != file:
+                yield f"{file} is {other} byte by byte; take one of them out of the folder"
 
 
 def _refuse_one_table(facts: FileFacts) -> None:
@@ -217,14 +262,29 @@ def _telling(paths: Sequence[Path], reading: ReadingSettings, fs_hz: float | Non
     return best
 
 
-def _by_muscle(facts: FileFacts) -> dict[str, ChannelFacts]:
-    """EMG channels by muscle where their names tell it, all of them by name where none does."""
+def _by_muscle(facts: FileFacts) -> tuple[dict[str, ChannelFacts], list[str]]:
+    """EMG channels by muscle where their names tell it, else by name; and those that are left out, and why."""
+    muscles = {channel.name: _muscle(channel.name) for channel in facts.emg}
     found: dict[str, ChannelFacts] = {}
-    for channel in facts.emg:
-        for role, names in MUSCLES.items():
-            if re.search(rf"(^|[^a-z])({names})([^a-z]|$)", channel.name, re.IGNORECASE):
-                found.setdefault(role, channel)
-    return found or {channel.name: channel for channel in facts.emg[:_MOST_EMG]}
+    more, left_out = [], []
+    for channel in sorted(facts.emg, key=lambda channel: not muscles[channel.name]):
+        role = muscles[channel.name] or channel.name
+        if role in found:
+            left_out.append(f"{channel.name}, looks like EMG of {role} as {found[role].name} does")
+        elif len(found) < MOST_EMG:
+            found[role] = channel
+        else:
+            more.append(channel.name)
+    if more:
+        what = f"{len(more)} channels that look like EMG" if len(more) > 1 else "a channel that looks like EMG"
+        left_out.append(f"{what}, as a draft takes {MOST_EMG}: {', '.join(more)}")
+    return found, [*left_out, *(f"{channel.name} ({channel.guess or channel.fault})" for channel in facts.lost)]
+
+
+def _muscle(name: str) -> str:
+    """The muscle that a channel is called after, or ""."""
+    signs = ((role, rf"(^|[^a-z])({names})([^a-z]|$)") for role, names in MUSCLES.items())
+    return next((role for role, sign in signs if re.search(sign, name, re.IGNORECASE)), "")
 
 
 def _relative(path: Path, folder: Path) -> str:

@@ -15,7 +15,7 @@ from emg2vsa.study_file.toml_file import beside
 
 PLACEHOLDERS = ("participant", "specimen", "repetition")
 REPETITION = "{repetition}"
-_TOKEN = re.compile(r"(\{(?:participant|specimen|repetition)\}|\*)")
+PLACEHOLDER = re.compile(r"(\{(?:participant|specimen|repetition)\}|\*)")
 _SHOWN = 4
 
 Cell = tuple[str, str]
@@ -55,7 +55,7 @@ def files_by_cell(folder: str | os.PathLike[str], pattern: str, cells: Iterable[
 
 def _present(folder: str | os.PathLike[str], pattern: str) -> list[str]:
     """Files in the folder that may match for any cell, as the pattern would write them."""
-    parts = _TOKEN.split(pattern)
+    parts = PLACEHOLDER.split(pattern)
     search = "".join("*" if index % 2 else glob.escape(text) for index, text in enumerate(parts))
     base = str(beside(folder, ""))  # type: ignore[arg-type]
     found = glob.glob(search) if os.path.isabs(pattern) else glob.glob(search, root_dir=base)
@@ -64,7 +64,7 @@ def _present(folder: str | os.PathLike[str], pattern: str) -> list[str]:
 
 def _claimed(pattern: str, present: list[str]) -> list[tuple[int, str]]:
     """(repetition, file) of what a cell's pattern matches."""
-    parts = _TOKEN.split(pattern)
+    parts = PLACEHOLDER.split(pattern)
     texts = {"*": "[^/]*", REPETITION: "([0-9]+)"}
     first = True
     expression = ""

@@ -11,7 +11,8 @@ import pytest
 
 from emg2vsa.errors import StudyError
 from emg2vsa.study_file import load_study
-from emg2vsa.study_file.draft import FILL, DraftChannel, draft, halves, naming_of_pairs
+from emg2vsa.study_file.draft import draft, halves, naming_of_pairs
+from emg2vsa.study_file.draft_channel import FILL, DraftChannel
 
 NAMES = {
     "person and specimen": ["ama_hard.csv", "ama_soft.csv", "bob_hard.csv", "bob_soft.csv"],

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Iterator
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,8 @@ import pytest
 
 from emg2vsa import settings
 from emg2vsa.study_file import load_study
-from emg2vsa.study_file.draft import FILL, DraftChannel, draft, naming_of
+from emg2vsa.study_file.draft import draft, naming_of
+from emg2vsa.study_file.draft_channel import FILL, DraftChannel
 from scripts.file_reference import FILES, field_docs, rig_schema, study_schema, text_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -194,7 +195,8 @@ def test_names_without_a_pattern_are_listed(tmp_path: Path) -> None:
 )
 def test_what_the_file_does_not_say_is_marked(channel: DraftChannel, line: str, tmp_path: Path) -> None:
     naming = naming_of(["a_x.csv", "a_y.csv", "b_x.csv"])
-    text = draft("s", naming, [], {"EDC": DraftChannel("E", "V")}, channel, {"x": 2.5}, [])
+    force = replace(channel, is_force=True)
+    text = draft("s", naming, [], {"EDC": DraftChannel("E", "V")}, force, {"x": 2.5}, [])
     assert line in text.split("[channels.force]")[1]
     (tmp_path / "study.toml").write_text(text, encoding="utf-8")
     assert load_study(tmp_path / "study.toml").stiffness_n_per_mm == {"x": 2.5}
