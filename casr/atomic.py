@@ -32,15 +32,14 @@ def write_new(path: Path, data: bytes) -> None:
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
             whole = Path(folder) / "whole"
             write_bytes_atomic(whole, data, on_disk=True)
-            link_new(whole, path)
+            _link_or_write(whole, path)
         sync_folder(path.parent)
     except OSError as error:
         error.filename, error.filename2 = str(path), None
         raise
 
 
-def link_new(whole: Path, path: Path) -> None:
-    """Let ``path`` be the file ``whole`` too, or a copy of it. FileExistsError : ``path`` is there already."""
+def _link_or_write(whole: Path, path: Path) -> None:
     try:
         os.link(whole, path)
     except FileExistsError:

@@ -6,8 +6,11 @@ import argparse
 import io
 import os
 import shlex
+import signal
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -71,8 +74,10 @@ def run(arguments: argparse.Namespace) -> int:
         print(start, file=sys.stderr)
         found, stiffness, presses = ask_about(found, stiffness, _asked)
     text = found.text(arguments.name or study_name(folder), stiffness, presses)
-    page = _write_pair(found, text, out, reading)
-    arguments.stopped = "The study file and its page are written."
+    page, shown = out.with_suffix(".html"), _page(found, text, out, reading)
+    with _unstopped():
+        _write_pair(out, text, page, shown)
+        arguments.stopped = "The study file and its page are written."
     to_fill = [number for number, line in enumerate(text.splitlines(), 1) if FILL in line and number > 1]
     channels = [*found.emg_channels.values(), *([found.force_channel] if found.force_channel else [])]
     lines = [
@@ -136,44 +141,52 @@ def _in_the_way(file: Path) -> Exception:
     return SettingError(file, wanted="a new file", found="an existing one", do=do)
 
 
-def _write_pair(found: Found, text: str, out: Path, reading: ReadingSettings) -> Path:
-    """Write the study file and then its page, or neither; the page. SettingError : a file is in the way by now."""
-    from casr.atomic import link_new, write_bytes_atomic, write_new, write_text_atomic
+@contextmanager
+def _unstopped() -> Iterator[None]:
+    """Ctrl-C waits until what is done within is done, which may take milliseconds only."""
+    if threading.current_thread() is not threading.main_thread():  # Ctrl-C goes to the main thread alone
+        yield
+        return
+    pressed: list[int] = []
+    before = signal.signal(signal.SIGINT, lambda number, _: pressed.append(number))
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+    if pressed:
+        raise KeyboardInterrupt
+
+
+def _write_pair(out: Path, text: str, page: Path, shown: str) -> None:
+    """Write the study file and then its page, or neither. SettingError : a file is in the way by now."""
+    from casr.atomic import write_bytes_atomic, write_new
     from emg2vsa.report.draft_page import is_draft_page
 
-    page, whole, made = out.with_suffix(".html"), out.with_name(f".{out.stem}-{os.getpid()}.toml"), False
+    made = False
     try:
-        write_text_atomic(whole, text)
-        shown = _page(found, text, whole, out, reading).encode(errors="backslashreplace")
-        link_new(whole, out)  # of two commands at once one gets the name
+        write_new(out, text.encode())  # of two commands at once one gets the name
         made = True
         is_older = page.exists() and is_draft_page(page)
-        (write_bytes_atomic if is_older else write_new)(page, shown)
+        (write_bytes_atomic if is_older else write_new)(page, shown.encode(errors="backslashreplace"))
     except BaseException as error:
-        # Ctrl-C may come between the link and the word of it
-        if made or (whole.exists() and out.exists() and whole.samefile(out)):
+        if made:
             out.unlink(missing_ok=True)
         if isinstance(error, FileExistsError):
             raise _in_the_way(page if made else out) from None
-        if isinstance(error, OSError) and error.filename == str(whole):
-            error.filename = str(out)
         raise
-    finally:
-        whole.unlink(missing_ok=True)
-    return page
 
 
-def _page(found: Found, text: str, whole: Path, out: Path, reading: ReadingSettings) -> str:
-    """The page of the drafted study, with the presses of one recording where the study file can be used as it is.
-
-    whole : the study file beside ``out``, where it is going to be.
-    """
+def _page(found: Found, text: str, out: Path, reading: ReadingSettings) -> str:
+    """The page of the drafted study, with the presses of one recording where the study file can be used as it is."""
+    from casr.atomic import write_text_atomic
     from emg2vsa.errors import Emg2vsaError
     from emg2vsa.pipeline.stages.trials import trials_of
     from emg2vsa.report.draft_page import draft_page
     from emg2vsa.study_file import load_study
 
+    whole = out.with_name(f".{out.stem}-{os.getpid()}.toml")  # paths in it count from its folder
     try:
+        write_text_atomic(whole, text)
         study = load_study(whole)
         looked_at = os.path.abspath(found.emg.path)
         entry = next((e for e in study.recordings if os.path.abspath(e.emg_file) == looked_at), study.recordings[0])
@@ -184,6 +197,12 @@ def _page(found: Found, text: str, whole: Path, out: Path, reading: ReadingSetti
     except Emg2vsaError as error:
         told = str(error).replace(f"{out.parent.resolve()}{os.sep}", "").replace(whole.name, out.name)
         return draft_page(found, text, out, told)
+    except OSError as error:
+        if error.filename == str(whole):
+            error.filename = str(out)
+        raise
+    finally:
+        whole.unlink(missing_ok=True)
     return draft_page(found, text, out, (entry, trials))
 
 

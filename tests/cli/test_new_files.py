@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import shlex
+import signal
 import sys
 from pathlib import Path
 
@@ -53,7 +54,7 @@ def test_a_file_that_appears_during_the_questions_is_kept(
 
 
 @pytest.mark.parametrize("call", ["casr.atomic.write_new", "emg2vsa.report.draft_page.draft_page"])
-def test_ctrl_c_while_files_are_written_leaves_none(
+def test_ctrl_c_before_both_files_are_there_leaves_none(
     call: str, folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Screen
 ) -> None:
     def stopped(*_: object) -> None:
@@ -69,17 +70,18 @@ def test_ctrl_c_while_files_are_written_leaves_none(
     assert names(folder) == before | {"study.toml", "study.html"}
 
 
-def test_ctrl_c_just_after_the_name_is_taken_leaves_none(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_ctrl_c_waits_until_both_files_are_there(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Screen) -> None:
     link = os.link
 
     def stopped(*paths: Path) -> None:
         link(*paths)
-        raise KeyboardInterrupt
+        signal.raise_signal(signal.SIGINT)
 
     before = names(folder)
     monkeypatch.setattr("os.link", stopped)
     assert main(["new", str(folder), "--no-questions"]) == 130
-    assert names(folder) == before
+    assert "Stopped. The study file and its page are written." in capsys.readouterr().err
+    assert names(folder) == before | {"study.toml", "study.html"}
 
 
 @pytest.mark.skipif(sys.platform in ("win32", "darwin"), reason="names of files are text there")
