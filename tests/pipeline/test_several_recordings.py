@@ -19,19 +19,20 @@ STUDY = study_of_files(
 )  # fmt: skip
 
 
+def write(path: Path, seed: int) -> None:
+    settings = SimulationSettings(repetitions=1, seed=seed)
+    made = RecordingStream(np.random.SeedSequence(seed), settings, a_v=40e-6, b_v=20e-6, window_n=(0.5, 7)).whole()
+    time_s = np.arange(made.force_n.size) / made.fs_hz
+    table = np.column_stack([time_s, made.emg_v["EDC"], made.emg_v["FDS"], made.force_n])
+    np.savetxt(path, table, "%.9g", ",", header="time (s),EDC (V),FDS (V),Fz (N)", comments="")
+
+
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("pieces")
     (folder / "raw").mkdir()
     for n in (1, 2, 10):
-        settings = SimulationSettings(repetitions=1, seed=n)
-        made = RecordingStream(np.random.SeedSequence(n), settings, a_v=40e-6, b_v=20e-6, window_n=(0.5, 7)).whole()
-        time_s = np.arange(made.force_n.size) / made.fs_hz
-        table = np.column_stack([time_s, made.emg_v["EDC"], made.emg_v["FDS"], made.force_n])
-        np.savetxt(
-            folder / "raw" / f"2026-05-0{n % 9}_ama_foam_{n}.csv", table, "%.9g", ",",
-            header="time (s),EDC (V),FDS (V),Fz (N)", comments="",
-        )  # fmt: skip
+        write(folder / "raw" / f"2026-05-0{n % 9}_ama_foam_{n}.csv", n)
     (folder / "study.toml").write_text(STUDY)
     return folder
 
@@ -63,4 +64,11 @@ def test_a_bad_file_a_second_match_and_a_new_file(folder: Path, capsys: pytest.C
     assert found["specimens"][0]["found"] == 2
     assert any("2 files, 2026-05-02_ama_foam_2.csv, copy_ama_foam_2.csv" in line["text"] for line in found["advice"])
     copy.rename(folder / "raw" / "x_ama_foam_11.csv")
+    found = verdict(folder, capsys)
+    assert found["specimens"][0]["found"] == 3
+    said = (
+        "x_ama_foam_11.csv: expected a recording of its own, but found the same recording as 2026-05-01_ama_foam_10.csv"
+    )
+    assert any("recording not used: " in line["text"] and said in line["text"] for line in found["advice"])
+    write(folder / "raw" / "x_ama_foam_11.csv", 11)
     assert verdict(folder, capsys)["specimens"][0]["found"] == 4

@@ -73,11 +73,13 @@ def run(given: Given) -> Trials:
     parts = [(given_settings.pop("channels"), given_settings.pop("fault")), *further]
     made: list[Trials] = []
     names: list[str] = []
+    used: list[tuple[Path, ChannelSettings]] = []
     faults: list[Emg2vsaError] = []
     for number, (channels, fault) in enumerate(parts, 1):
         emg = given.files[_role("emg", number)][0]
         try:
             trials = _part(given, number, channels, fault, given_settings)
+            _refuse_copy(emg, [file for file, its in used if its == channels])
             if visit := visits[number - 1]:
                 trials = replace(trials, visit=np.full(trials.repetition.size, visit))
             join_trials([*made[:1], trials], [*names[:1], str(emg)])
@@ -88,10 +90,22 @@ def run(given: Given) -> Trials:
         else:
             made.append(trials)
             names.append(str(emg))
+            used.append((emg, channels))
     if not made:
         raise faults[0]
     joined = join_trials(made, names)
     return replace(joined, remarks=(*joined.remarks, *(f"{NOT_USED}{fault}" for fault in faults)))
+
+
+def _refuse_copy(file: Path, others: Sequence[Path]) -> None:
+    """RecordingError where the bytes are those of another recording of the item: its presses would count twice."""
+    import filecmp
+
+    for other in others:
+        if filecmp.cmp(file, other, shallow=False):
+            found = f"the same recording as {other.name}, byte by byte"
+            do = "Take one of the two out of the folder, or export the right one again."
+            raise RecordingError(file, wanted="a recording of its own", found=found, do=do)
 
 
 def _part(given: Given, number: int, channels: ChannelSettings, fault: str, shared: dict[str, Any]) -> Trials:
