@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from string import ascii_lowercase
 from typing import Any, Literal
@@ -127,9 +128,13 @@ def show_zero(axes: Axes, values: ArrayLike) -> None:
         axes.set_ylim(bottom=0)
 
 
-def style() -> Any:
-    """Context in which figures are drawn and saved."""
-    return mpl.rc_context(STYLE)  # type: ignore[arg-type]
+@contextlib.contextmanager
+def style() -> Iterator[None]:
+    """Context in which figures are drawn and saved: a matplotlibrc of the user counts for nothing."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(STYLE)  # type: ignore[arg-type]
+        yield
 
 
 def svg_text(figure: Figure) -> str:

@@ -131,11 +131,10 @@ def _by_order(levels: Ints, place: Floats, mean: Floats) -> Slope | None:
     The error is that of least squares, or that of a mean of the slopes of blocks, weighted by what each tells of place,
     where this is larger: people drift at rates of their own. Its degrees of freedom count blocks by that weight.
     """
-    design = np.concatenate([one[:, None] == np.unique(one) for one in levels.T], axis=1).astype(np.float64)
     both = np.stack([place - place.mean(), mean - mean.mean()], axis=1)
-    found, _, rank, _ = np.linalg.lstsq(design, both, rcond=None)
-    x, y = (both - design @ found).T
-    squares, free = float(x @ x), place.size - int(rank) - 1
+    left, rank = _without_levels(levels, both)
+    x, y = left.T
+    squares, free = float(x @ x), place.size - rank - 1
     if free < 1 or not squares > _COLLINEAR * float(both[:, 0] @ both[:, 0]):
         return None
     value = float(x @ y) / squares
@@ -147,3 +146,20 @@ def _by_order(levels: Ints, place: Floats, mean: Floats) -> Slope | None:
         return None
     error = np.sqrt(max(float(rest @ rest) / free / squares, float(score @ score) / (1 - alone)))
     return Slope(value, float(error), min(1 / alone - 1, float(free)))
+
+
+def _without_levels(levels: Ints, values: Floats) -> tuple[Floats, int]:
+    """Residuals (n, k) of least squares with a level for every block and every group, and the rank of these levels.
+
+    Blocks are thousands of people, so their means are taken out first (Frisch and Waugh 1933); groups are few.
+    """
+    block, group = (np.unique(each, return_inverse=True)[1] for each in levels.T)
+    count = np.bincount(block)
+
+    def apart(table: Floats) -> Floats:
+        means = np.stack([np.bincount(block, column) for column in table.T], axis=1) / count[:, None]
+        return table - means[block]
+
+    design, left = apart((group[:, None] == np.arange(group.max() + 1)).astype(np.float64)), apart(values)
+    found, _, rank, _ = np.linalg.lstsq(design, left, rcond=None)
+    return left - design @ found, count.size + int(rank)

@@ -47,7 +47,10 @@ def trend(block: Names, group: Names, order: ArrayLike, values: ArrayLike, confi
     unit = int(exponent_of(y)[0]) if y.size else 0
     y = np.ldexp(y, -unit)  # squares of 1e200 are infinite
     blocks = in_order(block)
-    rows = [_of_block(group[block == name], x[block == name], y[block == name]) for name in blocks.tolist()]
+    names, code = np.unique(block, return_inverse=True)
+    parts = np.split(np.argsort(code, kind="stable"), np.cumsum(np.bincount(code))[:-1])
+    of = dict(zip(names.tolist(), parts, strict=False))  # without values there are no names, and one empty part
+    rows = [_of_block(group[at], x[at], y[at]) for at in map(of.__getitem__, blocks.tolist())]
     slope, se, free = np.array(rows).reshape(-1, 3).T
     known = np.isfinite(slope)
     count = int(np.count_nonzero(known))
@@ -56,7 +59,7 @@ def trend(block: Names, group: Names, order: ArrayLike, values: ArrayLike, confi
         mean, df = float(np.mean(slope[known])), count - 1.0
         error = float(np.std(slope[known], ddof=1) / np.sqrt(count))
     elif count == 1:
-        mean, error, df = (float(of[known][0]) for of in (slope, se, free))
+        mean, error, df = (float(each[known][0]) for each in (slope, se, free))
     error = error if error > 0 else np.nan
     t = mean / error
     reach = float(special.stdtrit(df, 0.5 + 0.5 * confidence)) * error

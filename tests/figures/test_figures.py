@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from hypothesis import given
@@ -122,3 +123,14 @@ def test_two_figures_on_a_page_share_no_id():
         assert set(re.findall(r'href="#([^"]+)"', page)) | set(re.findall(r"url\(#([^)]+)\)", page)) <= own
         assert "<title" in page
         assert "xlink" not in page
+
+
+def test_settings_of_the_user_for_matplotlib_change_no_figure():
+    def svg() -> str:
+        with style():
+            return svg_text(drawn())
+
+    own = svg()
+    with mpl.rc_context({"font.size": 20, "lines.linewidth": 5, "axes.facecolor": "red"}):
+        assert svg() == own
+        assert mpl.rcParams["font.size"] == 20

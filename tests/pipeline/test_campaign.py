@@ -10,6 +10,8 @@ from benchmarks.small_study import WITH_A_RIG, small_rig, small_study
 from emg2vsa.claims import paper
 from emg2vsa.cli import main
 from emg2vsa.pipeline.campaign import campaign
+from emg2vsa.pipeline.fingerprint import Values
+from emg2vsa.pipeline.stage_order import stage
 from emg2vsa.study_file import load_study
 
 CONTROLS = Path(__file__).resolve().parents[2] / "studies" / "controls"
@@ -56,3 +58,15 @@ def test_every_claim_on_the_rig_has_its_presses_in_every_control(world: str) -> 
     pressed = {(run.condition, run.angle_deg) for run in rig.experiment.all_runs()}
     assert pressed == {*paper.CASR_WORST_P, *(("high-stiffness", angle) for angle in paper.AREA_SPECIMENS_P)}
     assert rig.experiment.mountings == 3
+
+
+def test_the_order_of_the_muscles_is_in_the_key_of_trials(tmp_path: Path) -> None:
+    digests = []
+    for order in (("EDC", "FDS"), ("FDS", "EDC")):
+        folder = tmp_path / order[0]
+        folder.mkdir()
+        path = folder / "study.toml"
+        path.write_text(small_study(muscles=order))
+        found = campaign(load_study(path))
+        digests.append(Values().part(stage("trials").settings(found, "P01/S1")).digest)
+    assert digests[0] != digests[1]

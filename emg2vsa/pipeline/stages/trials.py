@@ -26,6 +26,7 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     entry = campaign.recordings[item]
     return {
         "channels": entry.channels,
+        "muscles": tuple(tuple(part.channels.emg) for part in entry.parts),  # a mapping's key has no order
         "filters": entry.filters,
         "window": entry.window,
         "cocontraction": campaign.study.cocontraction,
@@ -67,7 +68,7 @@ def run(given: Given) -> Trials:
     from emg2vsa.extraction.join import join_trials
 
     given_settings = dict(given.settings)
-    further, visits = given_settings.pop("further"), given_settings.pop("visits")
+    further, visits, _ = (given_settings.pop(name) for name in ("further", "visits", "muscles"))
     if given.files["mvc"]:
         given_settings["cocontraction"] = _with_contractions(given.files["mvc"], given_settings)
     parts = [(given_settings.pop("channels"), given_settings.pop("fault")), *further]
