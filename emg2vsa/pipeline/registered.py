@@ -16,6 +16,7 @@ import emg2vsa
 from emg2vsa.errors import DataError, Emg2vsaError
 from emg2vsa.pipeline.code import Code
 from emg2vsa.pipeline.fingerprint import MISSING, Fingerprints, digest
+from emg2vsa.readers.sample_files import sample_file_paths
 from emg2vsa.registration import Registered, compared, plan_of, planned_claims, read_registration
 from emg2vsa.registration.deviations import CODE
 from emg2vsa.registration.plan import Plain, session_plan
@@ -125,8 +126,12 @@ def _code(code: Code) -> dict[str, Any]:
 
 
 def _recordings(study: Study, prints: Fingerprints) -> dict[str, list[str]]:
-    """Those of which every file is there, with the digests of their files."""
-    found = {entry.key: [prints.file(path) for path in (*entry.files, *entry.mvc_files)] for entry in study.recordings}
+    """Those of which every file is there, with the digests of their files and of those that their samples are in."""
+    named = {entry.key: (*entry.files, *entry.mvc_files) for entry in study.recordings}
+    found = {
+        key: [prints.file(file) for path in paths for file in (path, *sample_file_paths(path))]
+        for key, paths in named.items()
+    }
     return {key: digests for key, digests in found.items() if MISSING not in digests}
 
 

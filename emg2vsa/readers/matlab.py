@@ -208,10 +208,12 @@ def _variables(path: Path) -> dict[str, Any]:
 def _variables_of_hdf5(path: Path) -> dict[str, Any]:
     try:
         pymatreader = module_named("pymatreader")
+        module_named("h5py")  # decodes the samples; pymatreader imports it when it opens a file
     except ImportError as error:
         raise RecordingError(
-            path, wanted="a MATLAB file up to version 7", found="version 7.3, which needs the package pymatreader",
-            do=f"Install it ({install_extra('formats')}), or save with -v7.",
+            path, wanted="a MATLAB file up to version 7",
+            found="version 7.3, which needs the packages pymatreader and h5py",
+            do=f"Install them ({install_extra('formats')}), or save with -v7.",
         ) from error  # fmt: skip
     return dict(_in_order(pymatreader.read_mat(str(path))))
 

@@ -27,7 +27,7 @@ _DECIMATED = "Decimated Data_Level"
 def open_recording(path: Path) -> OnDemand:
     """Read the properties. Raises RecordingError for a damaged file and one without channels of numbers."""
     try:
-        file = TdmsFile.open(path)
+        file = TdmsFile.open(path.open("rb"))  # by its name, npTDMS would believe an index beside it, be it of another
         channels = [c for group in file.groups() if not group.name.startswith(_DECIMATED) for c in group.channels()]
         return _opened(path, file, channels)
     except (RecordingError, MemoryError):

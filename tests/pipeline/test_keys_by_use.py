@@ -133,7 +133,7 @@ def test_a_library_has_one_name_however_it_is_spelt(tmp_path: Path, install: Ins
 
 
 def test_what_a_child_imports_by_name_is_told_by_its_parent(tmp_path: Path) -> None:
-    """MATLAB 7.3 asks for pymatreader inside the child; its absence, or its failure, counts as well."""
+    """MATLAB 7.3 asks for pymatreader and h5py inside the child; their absence, or their failure, counts as well."""
     path = tmp_path / "a.mat"
     path.write_bytes(b"MATLAB 7.3 MAT-file".ljust(512, b" "))
     study = tmp_path / "study.toml"
@@ -142,7 +142,7 @@ def test_what_a_child_imports_by_name_is_told_by_its_parent(tmp_path: Path) -> N
     (ledger,) = tmp_path.glob(".emg2vsa/*/ledger.jsonl")
     entries = [json.loads(line) for line in ledger.read_text().splitlines()]
     (loaded,) = (entry["loaded"] for entry in entries if entry.get("step") == "trials/P01/S1")
-    assert {"emg2vsa.readers.matlab", "pymatreader"} <= set(loaded)
+    assert {"emg2vsa.readers.matlab", "pymatreader", "h5py"} <= set(loaded)
 
 
 def test_use_is_noted_from_the_step_alone_and_after_a_failure_too(

@@ -246,6 +246,23 @@ def test_groups_of_a_tdms_file_keep_their_rates_and_starts(tmp_path: Path) -> No
     np.testing.assert_array_equal(force.samples, made.wave(N, 2))
 
 
+def test_an_index_beside_a_tdms_file_is_not_read(tmp_path: Path) -> None:
+    """No key holds it; npTDMS would take names, rates and places of samples from it."""
+    nptdms = pytest.importorskip("nptdms")
+    path = tmp_path / "a.tdms"
+    made.save_tdms(path)
+    before = open_recording(path)[1]
+    other = nptdms.ChannelObject("G", "other", np.arange(9.0))
+    with nptdms.TdmsWriter(str(tmp_path / "b.tdms"), index_file=True) as writer:
+        writer.write_segment([other])
+    (tmp_path / "b.tdms_index").rename(tmp_path / "a.tdms_index")
+    assert nptdms.TdmsFile.open(path).groups()[0].name == "G"
+    after = open_recording(path)[1]
+    assert after.describe() == before.describe()
+    for one, same in zip(before.load([0, 1]), after.load([0, 1]), strict=True):
+        np.testing.assert_array_equal(one.samples, same.samples)
+
+
 def test_streams_of_an_xdf_file_keep_their_rates_and_times(tmp_path: Path) -> None:
     pytest.importorskip("pyxdf")
     opened = _opened(tmp_path, made.xdf(uneven=True), "made_streams.xdf")

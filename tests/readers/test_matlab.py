@@ -119,7 +119,7 @@ def test_version_73_without_its_package(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.setitem(sys.modules, "pymatreader", None)
     matlab = importlib.import_module("emg2vsa.readers.matlab")
-    with pytest.raises(RecordingError, match="needs the package pymatreader"):
+    with pytest.raises(RecordingError, match="needs the packages pymatreader and h5py"):
         matlab.open_recording(path)
 
 

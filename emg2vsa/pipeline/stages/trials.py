@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError
 from emg2vsa.pipeline.stage import Given, Stage
 from emg2vsa.readers.bids_sidecars import equipment, session_events, side_file_paths
+from emg2vsa.readers.sample_files import same_samples, sample_file_paths
 
 if TYPE_CHECKING:
     from emg2vsa.extraction import Trials
@@ -40,10 +41,11 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     folder = campaign.study.path.parent
     found: dict[str, Sequence[Path]] = {}
-    sides: list[Path] = []
+    mvc = campaign.recordings[item].mvc_files
+    sides: list[Path] = [side for path in mvc for side in _beside(campaign, path)]
     for number, part in enumerate(campaign.recordings[item].parts, 1):
         own = (part.emg_file, part.force_file) if part.force_file else (part.emg_file,)
-        sides += [side for path in own for side in side_file_paths(path, campaign.side_files)]
+        sides += [side for path in own for side in _beside(campaign, path)]
         sides += [events for path in own[:1] if (events := session_events(path, campaign.side_files)) is not None]
         calibration = part.channels.force.cal_file
         found |= {
@@ -51,7 +53,11 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
             _role("force", number): own[1:],
             _role("calibration", number): (folder / calibration,) if calibration else (),
         }
-    return {**found, "mvc": campaign.recordings[item].mvc_files, "beside": sides}
+    return {**found, "mvc": mvc, "beside": sides}
+
+
+def _beside(campaign: Campaign, path: Path) -> tuple[Path, ...]:
+    return (*side_file_paths(path, campaign.side_files), *sample_file_paths(path))
 
 
 def _role(name: str, number: int) -> str:
@@ -100,10 +106,8 @@ def run(given: Given) -> Trials:
 
 def _refuse_copy(file: Path, others: Sequence[Path]) -> None:
     """RecordingError where the bytes are those of another recording of the item: its presses would count twice."""
-    import filecmp
-
     for other in others:
-        if filecmp.cmp(file, other, shallow=False):
+        if same_samples(file, other):
             found = f"the same recording as {other.name}, byte by byte"
             do = "Take one of the two out of the folder, or export the right one again."
             raise RecordingError(file, wanted="a recording of its own", found=found, do=do)
