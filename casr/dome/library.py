@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from casr.dome.spline import Spline
 from casr.dome.tables import SMOOTH_FROM_N, USUAL_HEIGHT_MM, ContactTable, read_table
 from casr.dome.view import Real
-from casr.errors import SettingError
+from casr.errors import PassingError, SettingError
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.intp]
@@ -313,10 +313,10 @@ def read_library(folder: Path) -> Library:
 
 @cache
 def shipped(name: str = SHIPPED) -> Library:
-    """A library that comes with casr. SettingError : the file is not the one that casr was made with."""
+    """A library that comes with casr. PassingError : the file is not the one that casr was made with."""
     data = resources.files("casr.dome").joinpath(name).read_bytes()
     if hashlib.sha256(data).hexdigest() != DIGESTS[name]:
-        raise SettingError(
+        raise PassingError(
             name, wanted="the tables that casr was made with", found="other or damaged tables", do="Install casr again."
         )
     with np.load(io.BytesIO(data), allow_pickle=False) as kept:

@@ -21,12 +21,15 @@ from functools import cache
 from typing import Any, NamedTuple
 
 from casr.plugins import PLUGINS
+from emg2vsa.errors import DataError
 from emg2vsa.pipeline.fingerprint import PACKAGES, Fingerprints, Part, State, digest, part_of, state_of
 from emg2vsa.pipeline.stage import PLANNED
 
 _MODULE = re.compile(rf"({'|'.join(PACKAGES)})(\.\w+)+(:\w+)?$")
 _STANDARD = frozenset(sys.stdlib_module_names) | {"__future__"}
 _STAGES = "emg2vsa.pipeline.stages"
+_LOADED: dict[str, State] = {}
+"""States of our files that this process has loaded, as its first plan, or the one before they were loaded, saw them."""
 
 
 @dataclass(frozen=True)
@@ -100,8 +103,27 @@ class Code:
         if name not in self._modules:
             if not self._files:
                 self._files = {found: at for package in PACKAGES for found, at in _files_of(package)}
+                for each, at in self._files.items():
+                    self._refuse_old(each, *at)
             self._modules[name] = self._digested(name, *self._files[name]) if name in self._files else None
         return self._modules[name]
+
+    def _refuse_old(self, name: str, path: str, state: State) -> None:
+        """DataError : this process has loaded other code than the file has now, and would keep its results under the
+        key of the new one."""
+        if not _is_loaded(name, path):
+            _LOADED[path] = state
+            return
+        first = _LOADED.setdefault(path, state)
+        if state != first:
+            known = self._prints.known(path, first)
+            new = self._digested(name, path, state)
+            if known is None or new is None or known[0] != new.digest:  # comments do not count
+                raise DataError(
+                    path, wanted="the program's code as it is loaded", found="that it changed since",
+                    do="Start Python anew, and run the study again.",
+                )  # fmt: skip
+            _LOADED[path] = state
 
     def _digested(self, name: str, path: str, state: State) -> _Module | None:
         above = name.rpartition(".")[0]
@@ -128,6 +150,14 @@ class Code:
         if first in _STANDARD:
             return []
         return self._installed.get(first, [] if first.startswith(PLUGINS) else [(_one_name(first), "absent")])
+
+
+def _is_loaded(name: str, path: str) -> bool:
+    """By this process, or perhaps by the server that its workers are forked from, which lives as long."""
+    here = getattr(sys.modules.get(name), "__file__", None) == path
+    server = "multiprocessing.forkserver" in sys.modules
+    top = os.path.dirname(str(sys.modules[name.partition(".")[0]].__file__))
+    return here or (server and path.startswith(top + os.sep))
 
 
 def _is_own(name: str) -> bool:

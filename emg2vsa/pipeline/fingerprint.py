@@ -86,15 +86,19 @@ class Fingerprints:
         """
         if state is None:
             return None
-        known = self._known.get(path)
-        if known is not None and tuple(known[0]) == state:
-            return known[1]
+        if (known := self.known(path, state)) is not None:
+            return known
         value, state = _steady(path, state, compute)
         if state is not None:
             settled = min(abs(time.time_ns() - moment) for moment in state[1:3]) > _SETTLED_NS
             self._known[path] = [state if settled else (), value]
             self._changed = True
         return value
+
+    def known(self, path: str, state: State) -> Any:
+        """What is remembered of a file in that ``state``; None for nothing."""
+        known = self._known.get(path)
+        return known[1] if known is not None and tuple(known[0]) == state else None
 
     def installed(self, look: Callable[[], Any]) -> Any:
         """What ``look`` finds of the installed libraries and plugins, until a folder of libraries changes."""

@@ -225,7 +225,14 @@ def differences(old: Parts, new: Parts, unknown: Iterable[str] = ()) -> list[str
     reasons += [f"{_verb(a, b)} code {name}" for name, a, b in _changed(old.code.value, new.code.value)]
     libraries = _changed(old.libraries.value, new.libraries.value)
     reasons += [f"library {name} {a} -> {b}" for name, a, b in libraries]
-    return reasons
+    return reasons or [f"the order of its {name} changed" for name in ("files", "inputs") if _reordered(old, new, name)]
+
+
+def _reordered(old: Parts, new: Parts, name: str) -> bool:
+    """The same names in another order, which counts: files and inputs are told apart by their places."""
+    return sorted(getattr(old, name)) == sorted(getattr(new, name)) and list(getattr(old, name)) != list(
+        getattr(new, name)
+    )
 
 
 def _changed(old: Mapping[str, str], new: Mapping[str, str]) -> list[tuple[str, str, str]]:

@@ -26,7 +26,7 @@ def open_recording(path: Path) -> OnDemand:
         with path.open("rb") as file, warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return _opened(path, c3d.Reader(file))
-    except (RecordingError, MemoryError):
+    except (RecordingError, MemoryError, ImportError):
         raise
     except Exception as error:  # c3d raises whatever its parsing stumbles over
         raise RecordingError(

@@ -128,10 +128,12 @@ class _OpenInChild:
         except Emg2vsaError:
             raise
         except ImportError as error:
-            raise RecordingError(
+            missing = isinstance(error, ModuleNotFoundError)
+            other = self._reader.do and f" Or: {self._reader.do}"
+            raise PassingError(
                 self.path, wanted=f"the package {self._reader.library}, which reads {self._reader.format}",
-                found=f"that it is not installed ({error})",
-                do=f"Install it: {install_extra('formats')}.{self._reader.do and f' Or: {self._reader.do}'}",
+                found=f"that it {'is not installed' if missing else 'cannot be imported'} ({said_by(error)})",
+                do=f"Install it{'' if missing else ' again'}: {install_extra('formats')}.{other}",
             ) from error  # fmt: skip
         except Exception as error:  # a decoder may stumble over anything that a damaged file holds
             raise RecordingError(

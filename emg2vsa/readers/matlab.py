@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from casr.by_name import module_named
 from casr.errors import install_extra, said_by
-from emg2vsa.errors import RecordingError
+from emg2vsa.errors import PassingError, RecordingError
 from emg2vsa.readers.on_demand import OnDemand, Track, refuse_nothing
 from emg2vsa.readers.opened import Contents, StoredChannel, unique_names
 from emg2vsa.readers.timing import even_clock
@@ -197,7 +197,7 @@ def _variables(path: Path) -> dict[str, Any]:
         if head.startswith(b"MATLAB 7.3"):
             return _variables_of_hdf5(path)
         return dict(scipy.io.loadmat(path))
-    except (RecordingError, MemoryError):
+    except (RecordingError, MemoryError, ImportError):
         raise
     except Exception as error:  # scipy and h5py raise whatever their parsers stumble over
         raise RecordingError(
@@ -209,8 +209,8 @@ def _variables_of_hdf5(path: Path) -> dict[str, Any]:
     try:
         pymatreader = module_named("pymatreader")
         module_named("h5py")  # decodes the samples; pymatreader imports it when it opens a file
-    except ImportError as error:
-        raise RecordingError(
+    except ModuleNotFoundError as error:
+        raise PassingError(
             path, wanted="a MATLAB file up to version 7",
             found="version 7.3, which needs the packages pymatreader and h5py",
             do=f"Install them ({install_extra('formats')}), or save with -v7.",

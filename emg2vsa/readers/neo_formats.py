@@ -63,7 +63,7 @@ def open_recording(path: Path) -> OnDemand:
         mended = _plexon(path, decoder) if isinstance(decoder, neo.rawio.PlexonRawIO) else _Mended()
         found = _tracks(decoder, mended)
         refuse_nothing(path, [track for track, _ in found])
-    except (RecordingError, MemoryError):
+    except (RecordingError, MemoryError, ImportError):
         raise
     except Exception as error:  # neo raises whatever its parsing stumbles over
         raise RecordingError(

@@ -28,7 +28,7 @@ def open_recording(path: Path) -> OnDemand:
     """Read attributes and counters. Raises RecordingError for an HDF5 file that OpenSignals did not write."""
     try:
         return _opened(path, h5py.File(path, "r"))
-    except (RecordingError, MemoryError):
+    except (RecordingError, MemoryError, ImportError):
         raise
     except Exception as error:  # h5py raises whatever its parsing stumbles over
         raise RecordingError(

@@ -30,7 +30,7 @@ def open_recording(path: Path) -> OnDemand:
         file = TdmsFile.open(path.open("rb"))  # by its name, npTDMS would believe an index beside it, be it of another
         channels = [c for group in file.groups() if not group.name.startswith(_DECIMATED) for c in group.channels()]
         return _opened(path, file, channels)
-    except (RecordingError, MemoryError):
+    except (RecordingError, MemoryError, ImportError):
         raise
     except Exception as error:  # npTDMS raises whatever its parsing stumbles over
         raise RecordingError(

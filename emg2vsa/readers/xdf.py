@@ -46,7 +46,7 @@ def open_recording(path: Path) -> OnDemand:
     try:
         streams, _ = pyxdf.load_xdf(str(path), dejitter_timestamps=False)
         return _opened(path, streams, said.cut)
-    except (RecordingError, MemoryError):
+    except (RecordingError, MemoryError, ImportError):
         raise
     except Exception as error:  # pyxdf raises whatever its parsing stumbles over
         raise RecordingError(

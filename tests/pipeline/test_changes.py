@@ -7,6 +7,7 @@ import os
 import shutil
 import subprocess
 import sys
+import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
@@ -214,6 +215,42 @@ def test_a_module_edited_while_a_step_runs_leaves_no_result(study: Path, tmp_pat
     assert "Traceback" not in done.stderr
     assert list(stored.parent.iterdir()) == []
     assert look(study)["trials/P01/S1"].status == "stale"
+
+
+TWICE = """
+import sys
+from pathlib import Path
+from emg2vsa.cli import main
+
+study, stored, more = sys.argv[1:]
+def run():
+    for path in Path(stored).parents[2].glob("*/*/*.result"):
+        path.unlink()
+    return main(["run", study, "--jobs", "1", "--only", "trials"])
+
+assert run() == 0
+name = "emg2vsa.extraction.extract"
+edited = Path(sys.modules[name].__file__)
+edited.write_text(edited.read_text() + more)
+sys.exit(run())
+"""
+
+
+@pytest.mark.slow
+def test_code_that_changed_since_it_was_loaded_makes_no_result(study: Path, tmp_path: Path) -> None:
+    stored = result_of(study, "trials/P01/S1")
+    for place, more in enumerate(("\n1 + 1\n", "\n# a comment\n")):
+        copy = tmp_path / f"product{place}"
+        for package in ("emg2vsa", "casr"):
+            shutil.copytree(PRODUCT / package, copy / package)
+        time.sleep(1.1)  # digests of younger files are not kept, and nothing tells then that only a comment came
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(copy), *sys.path])}
+        program = [sys.executable, "-c", TWICE, str(study), str(stored), more]
+        done = subprocess.run(program, capture_output=True, text=True, env=environment, check=False, cwd=copy)
+        assert "Traceback" not in done.stderr
+        refused = ".py: expected the program's code as it is loaded, but found that it changed since. Start"
+        kept = bool(list(stored.parent.iterdir()))
+        assert (refused in done.stderr, done.returncode != 0, kept) == (not place, not place, bool(place))
 
 
 def test_of_a_session_table_the_report_says_order_and_rests_and_no_other_result_hangs_on_it(study: Path) -> None:

@@ -143,3 +143,12 @@ def test_differences_name_the_leaf() -> None:
         "library numpy 2 -> 3",
     ]
     assert differences(PARTS, PARTS) == []
+
+
+@pytest.mark.parametrize("name", ["files", "inputs"])
+def test_another_order_is_told_where_nothing_else_changed(name: str) -> None:
+    one = replace(PARTS, **{name: {"a": "1", "b": "2"}})
+    other = replace(PARTS, **{name: {"b": "2", "a": "1"}})
+    assert differences(one, other) == [f"the order of its {name} changed"]
+    assert differences(one, one) == []
+    assert differences(one, replace(other, **{name: {"b": "2", "a": "3"}})) != [f"the order of its {name} changed"]

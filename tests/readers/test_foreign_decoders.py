@@ -49,6 +49,8 @@ class Opened:
             ctypes.PyDLL(None).sleep(100)
         if fault == "flood":
             np.ones(10**9)
+        if fault in ("libodd", "_libodd"):
+            raise {"libodd": ModuleNotFoundError, "_libodd": ImportError}[fault](f"no {fault}")
         if fault == "killed":
             os.kill(os.getpid(), signal.SIGKILL)
 
@@ -127,7 +129,10 @@ def test_what_the_system_does_to_a_reader_is_not_the_files_fault(odd: Path, faul
     assert read(odd, ["Fz"]).channels[0].samples.sum() == 124750.0
 
 
-@pytest.mark.parametrize(("fault", "final"), [("crash", False), ("killed", False), ("hang", False), ("flood", True)])
+@pytest.mark.parametrize(
+    ("fault", "final"),
+    [*((each, False) for each in ("crash", "killed", "hang", "libodd", "_libodd")), ("flood", True)],
+)
 def test_a_step_whose_reader_crashed_is_tried_again_by_the_next_run(
     odd: Path, monkeypatch: pytest.MonkeyPatch, fault: str, final: bool
 ) -> None:
@@ -137,6 +142,21 @@ def test_a_step_whose_reader_crashed_is_tried_again_by_the_next_run(
     monkeypatch.setattr(Task, "_make", lambda self: read(odd, ["Fz"], reading))
     ended = task()
     assert (ended.status, ended.final) == ("failed", final)
+
+
+@pytest.mark.parametrize(
+    ("fault", "found", "do"),
+    [
+        ("libodd", "that it is not installed (ModuleNotFoundError: no libodd)", "Install it: "),
+        ("_libodd", "that it cannot be imported (ImportError: no _libodd)", "Install it again: "),
+    ],
+)
+def test_a_library_that_cannot_be_imported_is_not_the_files_fault(odd: Path, fault: str, found: str, do: str) -> None:
+    odd.write_text(fault)
+    with pytest.raises(PassingError) as caught:
+        inspect(odd)
+    assert caught.value.found == found
+    assert caught.value.do.startswith(do)
 
 
 def test_a_reader_that_cannot_be_started_is_not_the_files_fault(odd: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import scipy.io
 
-from emg2vsa.errors import RecordingError
+from emg2vsa.errors import PassingError, RecordingError
 from emg2vsa.readers.front_door import inspect, read
 
 EMG = np.arange(3000.0).reshape(3, 1000)
@@ -119,7 +119,20 @@ def test_version_73_without_its_package(tmp_path: Path, monkeypatch: pytest.Monk
 
     monkeypatch.setitem(sys.modules, "pymatreader", None)
     matlab = importlib.import_module("emg2vsa.readers.matlab")
-    with pytest.raises(RecordingError, match="needs the packages pymatreader and h5py"):
+    with pytest.raises(PassingError, match="needs the packages pymatreader and h5py"):
+        matlab.open_recording(path)
+
+
+def test_version_73_whose_library_is_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "v73.mat"
+    path.write_bytes(b"MATLAB 7.3 MAT-file, Platform: test".ljust(600))
+    matlab = importlib.import_module("emg2vsa.readers.matlab")
+
+    def broken(path: str) -> None:
+        raise ImportError("libhdf5.so: cannot open shared object file")
+
+    monkeypatch.setattr("pymatreader.read_mat", broken)
+    with pytest.raises(ImportError, match="libhdf5"):  # the front door says which library, and what to do
         matlab.open_recording(path)
 
 
