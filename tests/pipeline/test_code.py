@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
 
+from emg2vsa.errors import DataError
 from emg2vsa.pipeline import code
 from emg2vsa.pipeline.code import Code, Reached
 from emg2vsa.pipeline.fingerprint import Fingerprints
@@ -180,3 +182,18 @@ def test_the_texts_of_the_report_count_in_its_key(tmp_path: Path) -> None:
     )
     assert "jinja2" in found.libraries.value
     assert "emg2vsa" not in found.libraries.value
+
+
+def test_what_the_server_of_workers_may_have_loaded_counts_as_loaded(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    name, path = "emg2vsa.never_imported", str(Path(code.folder_of("emg2vsa")) / "never_imported.py")
+    code_of = Code(Fingerprints(tmp_path / "memory.json"))
+    monkeypatch.setattr(code, "_LOADED", {})
+    monkeypatch.delitem(sys.modules, "multiprocessing.forkserver", raising=False)
+    for size in (1, 2):  # nothing has loaded it, so the newer file is what will run
+        code_of._refuse_old(name, path, (size, 0, 0, 0))
+    monkeypatch.setitem(sys.modules, "multiprocessing.forkserver", sys)
+    code_of._refuse_old(name, path, (2, 0, 0, 0))
+    with pytest.raises(DataError, match=r"never_imported\.py: expected the program's code as it is loaded"):
+        code_of._refuse_old(name, path, (3, 0, 0, 0))
