@@ -16,8 +16,8 @@ import emg2vsa
 from emg2vsa.cli import main
 
 OFFERED = {
-    emg2vsa: "Emg2vsaError Recording Results Settings __version__ channels fit load read run samples schedule stats "
-    "trials",
+    emg2vsa: "Emg2vsaError Recording Results Settings __version__ channels fit load plot_fits plot_press "
+    "plot_specimens read run samples schedule stats trials",
     casr: "CasrError Score ScoreSettings StreamScorer __version__ find_presses frame_table open_frames read_camera "
     "score simulate_press",
 }
