@@ -287,9 +287,8 @@ def _followed(field: PressField, before: PressField, state: State) -> Array:
     """Radii of a press that has gone on since ``before``."""
     known, new = np.interp(field.frames, before.frames, state.radius_mm), field.frames > before.frames[-1]
     if new.any():
-        begun, _ = field.started([TableWorld.of(field.family, float(state.shared[0]), float(state.own[0]), known[-1])])[
-            0
-        ]
+        world = TableWorld.of(field.family, float(state.shared[0]), float(state.own[0]), known[-1])
+        ((begun, _),) = field.started([world])
         known[new] = begun.radius_mm[new]
     return known
 

@@ -154,10 +154,12 @@ class Code:
 
 def _is_loaded(name: str, path: str) -> bool:
     """By this process, or perhaps by the server that its workers are forked from, which lives as long."""
-    here = getattr(sys.modules.get(name), "__file__", None) == path
-    server = "multiprocessing.forkserver" in sys.modules
+    if getattr(sys.modules.get(name), "__file__", None) == path:
+        return True
+    if "multiprocessing.forkserver" not in sys.modules:
+        return False
     top = os.path.dirname(str(sys.modules[name.partition(".")[0]].__file__))
-    return here or (server and path.startswith(top + os.sep))
+    return path.startswith(top + os.sep)
 
 
 def _is_own(name: str) -> bool:

@@ -230,9 +230,8 @@ def differences(old: Parts, new: Parts, unknown: Iterable[str] = ()) -> list[str
 
 def _reordered(old: Parts, new: Parts, name: str) -> bool:
     """The same names in another order, which counts: files and inputs are told apart by their places."""
-    return sorted(getattr(old, name)) == sorted(getattr(new, name)) and list(getattr(old, name)) != list(
-        getattr(new, name)
-    )
+    before, now = list(getattr(old, name)), list(getattr(new, name))
+    return before != now and sorted(before) == sorted(now)
 
 
 def _changed(old: Mapping[str, str], new: Mapping[str, str]) -> list[tuple[str, str, str]]:

@@ -87,11 +87,12 @@ def plot_specimens(fits: pd.DataFrame, axes: Axes | None = None) -> Axes:
     drawn = _axes(axes, "specimen", scale.label("slope b"))
     people = used["participant"] if "participant" in used else pd.Series("", index=used.index)
     means = (used["b_v"] * scale.factor).groupby([used["specimen"], people], sort=False).mean()
-    for place, (specimen, look) in enumerate(_looks(used).items()):
+    worn = _looks(used)
+    for place, (specimen, look) in enumerate(worn.items()):
         b = means[specimen].to_numpy(np.float64)
         drawn.plot(place + np.linspace(-0.15, 0.15, b.size), b, look.marker, color=look.colour, alpha=0.5)
         drawn.errorbar(place, b.mean(), _half_width(b), fmt="_", color=INK, markersize=18, capsize=5)
-    names = [_literal(specimen) for specimen in _looks(used)]
+    names = [_literal(specimen) for specimen in worn]
     drawn.set_xticks(range(len(names)), names)
     drawn.set(xlim=(-0.5, len(names) - 0.5), ylim=(min(0.0, drawn.get_ylim()[0]), None))
     return drawn
@@ -122,13 +123,13 @@ def _looks(used: pd.DataFrame) -> Mapping[Any, Look]:
 
 
 def _curves(fits: pd.DataFrame, force_n: Floats) -> Floats:
-    """(presses, forces) of v."""
+    """v of each press at each force (presses, forces)."""
     a_v, b_v = (fits[name].to_numpy(np.float64)[:, None] for name in ("a_v", "b_v"))
     return np.asarray(a_v + b_v * np.log(force_n))
 
 
 def _half_width(values: Floats) -> float:
-    """Of the 95 % interval of the mean by Student's t; NaN for one value, which tells no scatter."""
+    """Half the 95 % interval of the mean by Student's t; NaN for one value, which tells no scatter."""
     if values.size < 2:
         return float("nan")
     return float(stdtrit(values.size - 1, 0.975) * values.std(ddof=1) / np.sqrt(values.size))
