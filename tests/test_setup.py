@@ -57,6 +57,8 @@ fi
 """
 FAKE_PYTHON = """#!/bin/sh
 echo "python $*" >> "$CALLS"
+for last; do :; done
+case "$*" in *--require-hashes*) cat "$last" >> "$CALLS.installed" ;; esac
 """
 
 
@@ -83,6 +85,13 @@ class Place:
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         calls = [line for line in self.calls.read_text().splitlines() if "compileall" not in line]
         return done.returncode, calls, done.stderr
+
+    def with_pip_alone(self) -> None:
+        """No uv, and an environment that has what a run needs."""
+        (self.folder / "tools" / "uv").unlink()
+        (self.folder / ".venv" / "bin").mkdir(parents=True)
+        shutil.copy(self.folder / "tools" / "uv.python", self.folder / ".venv" / "bin" / "python")
+        shutil.copy(self.folder / LOCKS[0], self.folder / ".venv")
 
 
 @pytest.fixture
@@ -126,15 +135,25 @@ def test_an_installation_that_failed_is_done_again(place: Place) -> None:
 
 
 def test_without_uv_pip_installs(place: Place) -> None:
-    (place.folder / "tools" / "uv").unlink()
-    (place.folder / ".venv" / "bin").mkdir(parents=True)
-    shutil.copy(place.folder / "tools" / "uv.python", place.folder / ".venv" / "bin" / "python")
-    shutil.copy(place.folder / LOCKS[0], place.folder / ".venv")
+    place.with_pip_alone()
+    lock = ["a==1 \\\n    --hash=sha256:0\n", "b==2 \\\n    --hash=sha256:1\n", "c==3\n"]
+    (place.folder / LOCKS[1]).write_text("".join(lock))
     _, calls, said = place.setup("test")
-    assert calls[-1] == (
-        "python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r requirements-dev.lock"
-    )
+    assert len(calls) == 2
+    assert all("install --quiet --disable-pip-version-check" in call for call in calls)
+    assert all("--no-deps --require-hashes -r" in call for call in calls)
+    installed = Path(f"{place.calls}.installed").read_text()
+    assert sorted(re.split(r"^(?=\w)", installed, flags=re.M)[1:]) == lock  # each once, with its hashes
     assert "with pip" in said
+
+
+@pytest.mark.parametrize(("forbidden", "compiles"), [("", "--no-compile"), ("1", "--compile")])
+def test_pip_compiles_where_python_may_not_do_it_at_import(
+    forbidden: str, compiles: str, place: Place, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PYTHONDONTWRITEBYTECODE", forbidden)
+    place.with_pip_alone()
+    assert all(f" {compiles} " in call for call in place.setup("test")[1])
 
 
 def test_an_unknown_argument_and_an_old_python_are_refused(place: Place) -> None:
