@@ -86,17 +86,22 @@ def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None
     spread = _sums(wz, z)
     q = _sums(wz, log_y if log_y.ndim == 2 else log_y[:, None]) / spread  # wz sums to zero
     reach = np.sqrt(spread / total)
-    powers = np.empty((4, *z.shape))
+    least = _WIDE * reach * reach
+    powers, sums = np.empty((4, *z.shape)), np.empty((4, 2, z.shape[1]))
     for _ in range(_FEW):
         np.exp(np.multiply(q, z, out=powers[0]), out=powers[0])
         for k in range(3):
             np.multiply(z, powers[k], out=powers[k + 1])
-        t0, t1, t2, t3 = _cumulants(y @ powers if y.ndim == 1 else np.einsum("ij,kij->kj", y, powers))
-        s0, s1, s2, s3 = _cumulants(np.einsum("ij,kij->kj", powers[0], powers))
+        if y.ndim == 1:
+            np.matmul(y, powers, out=sums[:, 0])
+        else:
+            np.einsum("ij,kij->kj", y, powers, out=sums[:, 0])
+        np.einsum("ij,kij->kj", powers[0], powers, out=sums[:, 1])
+        (t0, s0), (t1, s1), (t2, s2), (t3, s3) = _cumulants(sums)
         h, slope, bend = t1 - s1, t2 - 2 * s2, t3 - 4 * s3
         step = -2 * h * slope / (2 * slope * slope - h * bend)
         size = np.max(np.abs(step) * reach)
-        if not size < _SHORT or np.any(slope >= 0) or np.any(s2 < _WIDE * reach * reach):
+        if not size < _SHORT or np.count_nonzero((slope >= 0) | (s2 < least)):
             return None
         q = q + step
         if size < _CUBED_AWAY:
@@ -110,9 +115,10 @@ def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None
 
 
 def _cumulants(sums: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Sum of weights (d,) and the first three cumulants of z, of sums (4, d) of weights times 1, z, z^2, z^3."""
+    """Sum of weights (...,) and the first three cumulants of z, of sums (4, ...) of weights times 1, z, z^2, z^3."""
     m1, m2, m3 = sums[1:] / sums[0]
-    return sums[0], m1, m2 - m1 * m1, m3 - m1 * (3 * m2 - 2 * m1 * m1)
+    square = m1 * m1
+    return sums[0], m1, m2 - square, m3 - m1 * (3 * m2 - 2 * square)
 
 
 def _sums(left: Floats, right: Floats) -> Floats:

@@ -80,15 +80,14 @@ def _lines(force: Floats, v: Floats) -> Line:
     return line
 
 
-def _sums(force: Floats, v: Floats) -> Floats:
-    """Of rows (5, k): means of x = ln F - 1 and of v, sums of x^2, and of v about its mean times x and times itself."""
+def _sums(force: Floats, v: Floats) -> tuple[Floats, ...]:
+    """Of rows (k,): means of x = ln F - 1 and of v, sums of x^2, and of v about its mean times x and times itself. Rows
+    on common forces have one mean (1,) and one sum of x^2."""
     k, p = v.shape
     weights, common, sums, cuts = np.full(p, 1 / p), force.ndim == 1, np.empty((5, k)), _blocks(v, _SUMMED_AT_ONCE)
     shape = min(k, cuts[0].stop), p
     logs, about = np.empty((0 if common else shape[0], p)), np.empty(shape)
-    if common:
-        x = np.log(force)[None] - _MIDDLE
-        sums[0], sums[2] = np.vecdot(x, weights), np.vecdot(x, x)
+    x = np.log(force)[None] - _MIDDLE if common else logs
     for cut in cuts:
         mean_x, mean_v, xx, xv, vv = sums[:, cut]
         if not common:
@@ -101,7 +100,7 @@ def _sums(force: Floats, v: Floats) -> Floats:
         dv = np.subtract(rows, mean_v[:, None], out=about[: len(vv)])
         np.vecdot(x, dv, out=xv)
         np.vecdot(dv, dv, out=vv)
-    return sums
+    return (np.vecdot(x, weights), sums[1], np.vecdot(x, x), *sums[3:]) if common else tuple(sums)
 
 
 def _of_sums(

@@ -12,7 +12,7 @@ from scipy import special
 
 from emg2vsa.arrays import Floats, Ints, sums_of
 from emg2vsa.shown import shown
-from emg2vsa.statistics.moments import GroupMoments, common_count, group_moments
+from emg2vsa.statistics.moments import GroupMoments, group_moments
 from emg2vsa.statistics.outcome import Outcome, Outcomes
 
 
@@ -70,18 +70,18 @@ def one_way(values: ArrayLike) -> Anova:
     F = inf and p = 0. DataError for another shape.
     """
     groups = group_moments(values)
-    count, offset, k = groups.count, groups.offset, groups.count.shape[1]
+    count, offset, each, (d, k) = groups.count, groups.offset, groups.each, groups.count.shape
     with np.errstate(divide="ignore", invalid="ignore"):
-        if each := common_count(count):
-            n, df1 = np.full(len(count), k * each), np.full(len(count), k - 1)
+        if each:
+            df1, df2 = np.full(d, k - 1), np.full(d, k * each - k)
             about = offset - (sums_of(offset) / k)[:, None]
             ss_between = each * np.vecdot(about, about)
         else:
             n, df1 = count.sum(axis=1), np.count_nonzero(count, axis=1) - 1
+            df2 = n - df1 - 1
             about = offset - (np.vecdot(count, offset) / n)[:, None]
             ss_between = np.vecdot(count, about * about)
         ss_within = sums_of(groups.squares)
-        df2 = n - df1 - 1
         ms_within = ss_within / df2  # 0 / 0 where no group has two values
         f = ss_between / df1 / ms_within
         eta2 = ss_between / (ss_between + ss_within)

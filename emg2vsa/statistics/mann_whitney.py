@@ -7,10 +7,12 @@ takes one search of the sorted samples.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from emg2vsa.arrays import Floats, Ints
@@ -25,6 +27,9 @@ _FEW = 1 << 14
 """Differences of a pair that are sorted together with those of all other pairs."""
 _A_VALUE, _MANY = 2, 1 << 18
 """Differences that are sorted at once, for each value of a larger pair and at most: a further count costs as much."""
+
+_SKETCHED = 64
+"""Values of each sample whose differences tell where a search begins."""
 
 
 @dataclass(frozen=True)
@@ -77,41 +82,68 @@ def mann_whitney(values: ArrayLike, confidence: float = 0.95) -> MannWhitney:
     doubles, _ = shifted_doubles(values)
     doubles = np.sort(doubles, axis=2)  # once, not for every pair
     first, second = pair_numbers(doubles.shape[1])
-    left, right = doubles[:, first], doubles[:, second]
-    n1, n2 = (np.count_nonzero(~np.isnan(side), axis=2) for side in (left, right))
+    left, right = doubles.take(first, axis=1), doubles.take(second, axis=1)
+    count = np.count_nonzero(doubles == doubles, axis=2)
+    n1, n2 = count.take(first, axis=1), count.take(second, axis=1)
     ranks = midranks(np.concatenate([left, right], axis=2))
-    own = ranks[..., : left.shape[2]]
-    rank_sum = np.sum(own, axis=2, where=~np.isnan(own))
-    u = np.where((n1 > 0) & (n2 > 0), rank_sum - n1 * (n1 + 1) / 2, np.nan)
+    rank_sum, scatter = _sums_of_ranks(ranks, left.shape[2], n1, n2)
     with np.errstate(divide="ignore", invalid="ignore"):
+        u = np.where(n1 * n2 > 0, rank_sum - n1 * (n1 + 1) / 2, np.nan)
         biserial = 2 * u / (n1 * n2) - 1
-        p = _exact_p(_normal_p(u, ranks, n1, n2), ranks, rank_sum, n1, n2)
+        p = _p(u, ranks, scatter, n1, n2)
     shift, low, high = _shift(left, right, n1, n2, confidence)
     return MannWhitney(u, p, biserial, shift, low, high, n1, n2, confidence)
 
 
-def _normal_p(u: Floats, ranks: Floats, n1: Ints, n2: Ints) -> Floats:
+def _sums_of_ranks(ranks: Floats, n: int, n1: Ints, n2: Ints) -> tuple[Floats, Floats]:
+    """Of pairs (d, q): the sum of the first n ranks, which are whole or halves, and of squares about their mean."""
+    centred = ranks - ((n1 + n2 + 1) / 2)[..., None]
+    if np.any(n1 + n2 < ranks.shape[2]):
+        ranks, centred = np.nan_to_num(ranks), np.nan_to_num(centred)
+    return np.einsum("ijk->ij", ranks[..., :n]), np.einsum("ijk,ijk->ij", centred, centred)
+
+
+def _p(u: Floats, ranks: Floats, scatter: Floats, n1: Ints, n2: Ints) -> Floats:
+    """Exact where the groups are small enough: without ties by the law of U, else by that of the pattern of ties."""
     total = n1 + n2
-    centred = ranks - ((total + 1) / 2)[..., None]
-    variance = np.sum(centred**2, axis=2, where=~np.isnan(ranks)) * n1 * n2 / (total * (total - 1.0))
-    distance = np.abs(u - n1 * n2 / 2)
-    return np.asarray(2 * special.ndtr(-distance / np.sqrt(variance)))
+    exact = (n1 * n2 > 0) & (total <= MOST_EXACT)
+    tied = exact & (scatter < (total**3 - total) / 12)
+    p = np.empty(u.shape) if exact.all() else _normal_p(u, scatter, n1, n2)
+    for size1, size2, at in _by_sizes(n1, n2, exact & ~tied):
+        p[at] = _p_without_ties(size1, size2)[u[at].astype(np.int64)]
+    return _with_ties(p, u, ranks, tied, n1) if np.count_nonzero(tied) else p
 
 
-def _exact_p(p: Floats, ranks: Floats, rank_sum: Floats, n1: Ints, n2: Ints) -> Floats:
-    """``p`` with the exact one where the groups are small enough; equal tie patterns share one distribution."""
-    exact = p.copy()
-    small = (n1 > 0) & (n2 > 0) & (n1 + n2 <= MOST_EXACT)
+def _by_sizes(n1: Ints, n2: Ints, among: NDArray[np.bool_]) -> Iterator[tuple[int, int, NDArray[np.bool_]]]:
+    """Each two sizes of groups ``among`` (d, q), and which pairs have them."""
+    for size1, size2 in set(zip(n1[among].tolist(), n2[among].tolist(), strict=True)):
+        yield size1, size2, among & (n1 == size1) & (n2 == size2)
+
+
+def _normal_p(u: Floats, scatter: Floats, n1: Ints, n2: Ints) -> Floats:
+    total = n1 + n2
+    variance = scatter * n1 * n2 / (total * (total - 1.0))
+    return np.asarray(2 * special.ndtr(-np.abs(u - n1 * n2 / 2) / np.sqrt(variance)))
+
+
+@lru_cache(maxsize=256)
+def _p_without_ties(n1: int, n2: int) -> Floats:
+    """Two-sided p (n1 n2 + 1,) of U = 0, 1, ..."""
+    return _rank_sum_p(n1 * (n1 + 1) + 2 * np.arange(n1 * n2 + 1), 2 * np.arange(1, n1 + n2 + 1), n1)
+
+
+def _with_ties(p: Floats, u: Floats, ranks: Floats, tied: NDArray[np.bool_], n1: Ints) -> Floats:
+    """``p`` with the exact one of the ``tied`` pairs; equal patterns of ties share one law."""
     patterns: dict[tuple[int, bytes], list[tuple[int, int]]] = {}
-    for i, j in np.argwhere(small):
+    for i, j in np.argwhere(tied):
         row = ranks[i, j]
         doubled = np.sort(np.rint(2 * row[~np.isnan(row)]).astype(np.int64))
         patterns.setdefault((int(n1[i, j]), doubled.tobytes()), []).append((i, j))
     for (size, pattern), places in patterns.items():
         at = tuple(np.transpose(places))
-        doubled = np.frombuffer(pattern, dtype=np.int64)
-        exact[at] = _rank_sum_p(np.rint(2 * rank_sum[at]).astype(np.int64), doubled, size)
-    return exact
+        doubled_sum = np.rint(2 * u[at]).astype(np.int64) + size * (size + 1)
+        p[at] = _rank_sum_p(doubled_sum, np.frombuffer(pattern, dtype=np.int64), size)
+    return p
 
 
 def _shift(left: Floats, right: Floats, n1: Ints, n2: Ints, confidence: float) -> tuple[Floats, Floats, Floats]:
@@ -145,13 +177,13 @@ def _shift_reach(n1: Ints, n2: Ints, confidence: float) -> Ints:
     The largest c with P(U <= c) <= tail for untied values; exact for up to 100 values, normal beyond.
     """
     tail = (1 - confidence) / 2
-    reach = np.full(np.broadcast(n1, n2).shape, -1, dtype=np.int64)
-    for size1, size2 in set(zip(np.ravel(n1).tolist(), np.ravel(n2).tolist(), strict=True)):
-        if size1 > 0 and size2 > 0:
-            reach[(n1 == size1) & (n2 == size2)] = _reach(size1, size2, tail)
+    reach = np.full(n1.shape, -1, dtype=np.int64)
+    for size1, size2, at in _by_sizes(n1, n2, n1 * n2 > 0):
+        reach[at] = _reach(size1, size2, tail)
     return reach
 
 
+@lru_cache(maxsize=256)
 def _reach(n1: int, n2: int, tail: float) -> int:
     total = n1 + n2
     if total > MOST_EXACT:
@@ -183,8 +215,8 @@ def differences_at(left: Floats, right: Floats, places: Ints) -> Floats:
         ordered = np.sort(
             (left[..., :, None] - right[..., None, :]).reshape(d, q, n * right.shape[2]), axis=2
         )  # NaN last
-        index = np.clip(places, 0, max(ordered.shape[2] - 1, 0))
-        return np.stack([np.take_along_axis(ordered, at[..., None], axis=2)[..., 0] for at in index])
+        index = np.minimum(np.maximum(places, 0), ordered.shape[2] - 1)
+        return np.asarray(ordered.ravel()[index + np.arange(0, ordered.size, ordered.shape[2]).reshape(d, q)])
     found = np.full(places.shape, np.nan)
     for i, j in np.ndindex(d, q):
         x, y = (np.sort(side[i, j][~np.isnan(side[i, j])], kind="stable") for side in (left, right))
@@ -207,22 +239,47 @@ def _at(x: Floats, y: Floats, places: Ints) -> Floats:
 
 @dataclass(frozen=True)
 class _Samples:
-    """Distinct values of two samples, ascending, how often they occur, and how many of the second lie before each."""
+    """Distinct values of two samples, ascending, how often they occur, and how many of the second lie before each.
+
+    plain : every value occurs once. sketch : differences of a few values of each, ascending.
+    """
 
     x: Floats
     y: Floats
     x_count: Ints
     y_count: Ints
     y_before: Ints
+    plain: bool
+    sketch: Floats
 
     @classmethod
-    def of(cls, x: Floats, y: Floats) -> _Samples:
-        (x, x_count), (y, y_count) = _distinct(x), _distinct(y)
-        return cls(x, y, x_count, y_count, np.concatenate([[0], np.cumsum(y_count)]))
+    def of(cls, left: Floats, right: Floats) -> _Samples:
+        (x, x_count), (y, y_count) = _distinct(left), _distinct(right)
+        some_x, some_y = (side[(2 * np.arange(_SKETCHED) + 1) * side.size // (2 * _SKETCHED)] for side in (x, y))
+        return cls(
+            x, y, x_count, y_count,
+            y_before=np.concatenate([[0], np.cumsum(y_count)]),
+            plain=x.size + y.size == left.size + right.size,
+            sketch=np.sort((some_x[:, None] - some_y).ravel()),
+        )  # fmt: skip
+
+    @property
+    def every(self) -> int:
+        """Differences, alike ones too."""
+        return int(self.x_count.sum() * self.y_before[-1])
 
     def up_to(self, v: float) -> _Cut:
         at = np.searchsorted(self.y, self.x - v, side="left")
+        if self.plain:
+            return _Cut(v, at, at.size * self.y.size - int(at.sum()))
         return _Cut(v, at, int(np.dot(self.x_count, self.y_before[-1] - self.y_before[at])))
+
+    def guess(self, place: int) -> tuple[float, float]:
+        """About which difference is at a place, and how fast they rise from place to place there."""
+        at = int(place / self.every * self.sketch.size)
+        below, above = max(at - _SKETCHED, 0), min(at + _SKETCHED, self.sketch.size - 1)
+        rise = float(self.sketch[above] - self.sketch[below])
+        return float(self.sketch[at]), rise / (above - below) * self.sketch.size / self.every
 
 
 def _distinct(ordered: Floats) -> tuple[Floats, Ints]:
@@ -254,13 +311,12 @@ class _Window:
 
 
 def _window(samples: _Samples, place: int) -> _Window:
-    """The differences around ``place``: the range narrows by secants of the last two counts, or is halved where these
-    took little away, until few enough are left in it to be sorted."""
+    """The differences around ``place``: from a guess the range narrows by secants of the last two counts, or is halved
+    where these took little away, until few enough are left in it to be sorted."""
     least, most = samples.x[0] - samples.y[-1], samples.x[-1] - samples.y[0]
-    every = int(samples.x_count.sum() * samples.y_count.sum())
     low = _Cut(float(np.nextafter(least, -np.inf)), np.full(samples.x.size, samples.y.size), 0)
-    high = _Cut(float(most), np.zeros(samples.x.size, dtype=np.int64), every)
-    middle, before = low.v + (high.v - low.v) / 2, low
+    high = _Cut(float(most), np.zeros(samples.x.size, dtype=np.int64), samples.every)
+    (middle, rate), before = samples.guess(place), None
     few = min(_A_VALUE * (samples.x.size + samples.y.size), _MANY)
     while np.sum(low.at - high.at) > few:
         if not low.v < middle < high.v:
@@ -269,12 +325,12 @@ def _window(samples: _Samples, place: int) -> _Window:
                 break
         cut, held = samples.up_to(middle), high.count - low.count
         low, high = (cut, high) if cut.count <= place else (low, cut)
+        if before is not None and cut.count != before.count:
+            rate = (cut.v - before.v) / (cut.count - before.count)
         # past the place, so that the other end comes nearer, too
         goal = place + np.sign(place - cut.count + 0.5) * max(few // 4, abs(place - cut.count) // 16)
-        rise, middle = cut.count - before.count, np.nan
-        if rise and high.count - low.count < 0.9 * held:
-            middle = cut.v + (goal - cut.count) * ((cut.v - before.v) / rise)
-        before = cut
+        narrowed = before is None or high.count - low.count < 0.9 * held
+        middle, before = cut.v + (goal - cut.count) * rate if narrowed else np.nan, cut
     return _sorted_between(samples, low, high)
 
 

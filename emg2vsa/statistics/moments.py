@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from emg2vsa.arrays import Floats, Ints, exponent_of, sums_of, unmasked
+from emg2vsa.arrays import Floats, Ints, exponent_of, unmasked
 from emg2vsa.errors import DataError
 
 _ROUNDING = 8 * np.finfo(np.float64).eps
@@ -25,6 +25,7 @@ class GroupMoments:
     count (d, k). offset (d, k): means relative to the first value of the design, 0 for an empty group. squares (d, k):
     sums of squared deviations from the group's mean. deviation (d, k, n): those deviations, 0 where there is no value,
     valid (d, k, n): where there is one. unit (d,): binary exponents. mean (d, k): in the data's unit, NaN where empty.
+    each : the number of values of a group where all have the same, else 0.
     """
 
     count: Ints
@@ -34,6 +35,7 @@ class GroupMoments:
     valid: NDArray[np.bool_]
     unit: NDArray[np.int32]
     mean: Floats
+    each: int
 
     def to_data(self, scaled: Floats) -> Floats:
         """Numbers (d, ...) of the first power of the data, back in the data's own unit: a scalar or more of each
@@ -50,8 +52,8 @@ def group_moments(values: ArrayLike) -> GroupMoments:
     arithmetic on the same doubles gives for all of NIST's ANOVA sets (benchmarks/nist.py). Decimal, Fraction and int
     objects are accepted (None: no value); their differences are taken exactly. DataError for another shape.
     """
-    doubles, origin = shifted_doubles(values)
-    return _of_whole_groups(doubles, origin) or _of_groups(doubles, origin)
+    doubles, origin = _shifted(values)
+    return _of_whole_groups(doubles, origin) or _of_groups(finite_or_nan(doubles), origin)
 
 
 def _of_whole_groups(doubles: Floats, origin: Floats) -> GroupMoments | None:
@@ -62,7 +64,7 @@ def _of_whole_groups(doubles: Floats, origin: Floats) -> GroupMoments | None:
     with np.errstate(invalid="ignore", over="ignore"):
         start = doubles[..., :1]
         shifted = doubles - start
-        inner = sums_of(shifted.reshape(d * k, n)).reshape(d, k, 1) / n
+        inner = np.einsum("ijk->ij", shifted)[..., None] / n
         deviation = np.subtract(shifted, inner, out=shifted)
         squares = np.vecdot(deviation, deviation)
         if np.count_nonzero((squares > _LEAST) & (squares < 1 / _LEAST)) < d * k:
@@ -70,7 +72,7 @@ def _of_whole_groups(doubles: Floats, origin: Floats) -> GroupMoments | None:
         offset = (start - start[:, :1] + inner)[..., 0]
     mean = doubles[:, 0, :1] + offset + origin[:, None]
     count, valid = np.full((d, k), n), np.ones(doubles.shape, dtype=np.bool_)
-    return GroupMoments(count, offset, squares, deviation, valid, np.zeros(d, dtype=np.int32), mean)
+    return GroupMoments(count, offset, squares, deviation, valid, np.zeros(d, dtype=np.int32), mean, n)
 
 
 def _of_groups(doubles: Floats, origin: Floats) -> GroupMoments:
@@ -88,7 +90,8 @@ def _of_groups(doubles: Floats, origin: Floats) -> GroupMoments:
     design_start = start[design, (count > 0).argmax(axis=1)[:, None]]
     offset = np.where(count > 0, start - design_start + inner, 0.0)
     at = np.ldexp(np.where(count > 0, design_start + offset, np.nan), unit[:, None])
-    return GroupMoments(count, offset, (deviation**2).sum(axis=2), deviation, valid, unit, origin[:, None] + at)
+    squares, mean = (deviation**2).sum(axis=2), origin[:, None] + at
+    return GroupMoments(count, offset, squares, deviation, valid, unit, mean, common_count(count))
 
 
 def common_count(count: Ints) -> int:
@@ -104,11 +107,17 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     NaN) come back relative to the first of their design. DataError for other shapes, groups of unequal length, and what
     is infinite or not a number.
     """
+    doubles, origin = _shifted(values)
+    return finite_or_nan(doubles), origin
+
+
+def _shifted(values: ArrayLike) -> tuple[Floats, Floats]:
+    """The same, what is infinite not yet refused."""
     try:
         array = np.asarray(unmasked(values))
         if array.dtype.kind == "c":
             raise TypeError("complex numbers")
-        doubles = array if array.dtype == object else array.astype(np.float64)
+        doubles = array if array.dtype == object else np.asarray(array, dtype=np.float64)
     except (ValueError, TypeError) as error:
         raise _not_a_design(str(error)) from error
     if doubles.ndim == 2:
@@ -116,7 +125,7 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     if doubles.ndim != 3 or 0 in doubles.shape[1:]:
         raise _not_a_design(f"shape {array.shape}")
     if doubles.dtype != object:
-        return finite_or_nan(doubles), np.zeros(len(doubles))
+        return doubles, np.zeros(len(doubles))
     pairs = [_shift_design(list(design.flat)) for design in doubles]
     return np.array([row for row, _ in pairs]).reshape(doubles.shape), np.array([origin for _, origin in pairs])
 

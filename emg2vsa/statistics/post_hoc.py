@@ -86,8 +86,9 @@ def check_two_groups(k: int) -> None:
 
 def student_quantile(df: Floats, probability: float) -> Floats | float:
     """Of Student's t at df (d, q), or one number where all are alike: they are few, and the quantile is slow."""
-    if df.size and np.count_nonzero(df == df.flat[0]) == df.size:
-        return float(special.stdtrit(float(df.flat[0]), probability))
+    first = float(df.flat[0]) if df.size else np.nan
+    if np.count_nonzero(df == first) == df.size:
+        return float(special.stdtrit(first, probability))
     known, at = np.unique(df, return_inverse=True)
     return np.asarray(special.stdtrit(known, probability)[at].reshape(df.shape))
 
