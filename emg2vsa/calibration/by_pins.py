@@ -2,44 +2,76 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from casr.errors import InputError
 from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.estimate import estimate_kappa
 from casr.kappa.known import KnownSensor
 from emg2vsa.arrays import Floats
 from emg2vsa.calibration.online_pins import KnownPins
 from emg2vsa.calibration.pinned_presses import camera_of, known_presses, library_of, presses_of
-from emg2vsa.calibration.results import PinsResult
+from emg2vsa.calibration.results import DesignByPins, PinsResult
 from emg2vsa.run_scores import RunScores
-from emg2vsa.run_scores.domes import Domes
-from emg2vsa.settings import CalibrationSettings
+from emg2vsa.run_scores.domes import NO_DOMES, Domes
+
+LEAST_SPECIMENS = 2
+"Known ones that a calibration takes."
 
 
-def kappa_by_pins(
+def design_by_pins(
+    runs: Sequence[RunScores],
+    kappa: Mapping[str, float],
+    new_specimen: str,
+    *,
+    kappa_se: Mapping[str, float],
+    domes: Mapping[str, Domes],
+    confidence: float,
+    mounting_sd_percent: float,
+) -> DesignByPins:
+    """Kappa of the new specimen by the pins of the runs at one angle under one condition.
+
+    kappa, kappa_se : specimen to its stiffness and standard error, N/mm; that of the new one, if there, is the truth
+    that its estimate is held against and enters no fit. Specimens without a stiffness are left out. domes : specimen to
+    the tables that its pins are held against, those of casr where not given. mounting_sd_percent : scatter of kappa
+    from one mounting to the next.
+    """
+    design = runs[0].angle_deg, runs[0].condition
+    new = next((run for run in runs if run.specimen == new_specimen), None)
+    known = [run for run in runs if run.specimen in kappa and run.specimen != new_specimen]
+    if new is None or len(known) < LEAST_SPECIMENS:
+        return DesignByPins(*design, None, "the new specimen or two known ones have no scores here")
+    stated = np.array([kappa[run.specimen] for run in known])
+    errors = np.array([kappa_se.get(run.specimen, 0.0) for run in known])
+    of_runs = [domes.get(run.specimen, NO_DOMES) for run in (*known, new)]
+    truth = kappa.get(new_specimen, float("nan"))
+    try:
+        found = _kappa_by_pins(known, new, stated, errors, truth, of_runs, confidence, mounting_sd_percent)
+    except InputError as error:
+        return DesignByPins(*design, None, str(error))
+    return DesignByPins(*design, found)
+
+
+def _kappa_by_pins(
     known: Sequence[RunScores],
     new: RunScores,
     kappa: Floats,
     kappa_se: Floats,
     truth: float,
     domes: Sequence[Domes],
-    settings: CalibrationSettings,
+    confidence: float,
+    mounting_sd_percent: float,
 ) -> PinsResult:
-    """Kappa of the new specimen by its presses and those of S known specimens.
-
-    kappa, kappa_se : (S,) N/mm. truth : known kappa of the new specimen, NaN where it is not known; it enters no fit.
-    domes : whose tables, and how high each specimen is, S and the new one. settings : confidence, and how far mountings
-    scatter.
-    DataError, casr.errors.CasrError : the pins tell none.
-    """
+    """kappa, kappa_se : (S,) of the known specimens. domes : of them and the new one. InputError : the pins tell
+    none."""
     camera = camera_of((*known, new))
     library = library_of(camera, domes)
     of_known = known_presses(known, kappa, kappa_se)
     found = estimate_kappa(
         [*of_known, *presses_of(new, None, 0.0)], camera, library=library,
-        discrepancy=Discrepancy().mounted(settings.mounting_sd_percent / 100), confidence=settings.confidence,
+        discrepancy=Discrepancy().mounted(mounting_sd_percent / 100), confidence=confidence,
     )  # fmt: skip
     own, rest = found.kappas[new.specimen], [found.kappas.get(run.specimen) for run in known]
     left_out = np.array([(each.value, each.low, each.high) if each else (np.nan,) * 3 for each in rest])

@@ -10,9 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from casr.doubts import Stretch, unlike_others
-from casr.errors import InputError
 from emg2vsa.arrays import Floats, Ints
-from emg2vsa.calibration.by_pins import kappa_by_pins
 from emg2vsa.calibration.calibrate import calibrate
 from emg2vsa.calibration.forms import (
     INDENTATION_POWER,
@@ -28,10 +26,9 @@ from emg2vsa.calibration.left_out import compare_laws
 from emg2vsa.calibration.mountings import MountingScatter, mounting_scatter, pooled
 from emg2vsa.calibration.presses import MOST_OUTLIERS, far_off, without_outliers
 from emg2vsa.calibration.repeats import RepeatInterval, labels_side_by_side, side_by_side
-from emg2vsa.calibration.results import AlgorithmResult, ConditionResult, FusedResult, LawResult, OnLaw, PinsResult
+from emg2vsa.calibration.results import AlgorithmResult, ConditionResult, DesignByPins, FusedResult, LawResult, OnLaw
 from emg2vsa.calibration.unknown import Estimate, estimate
 from emg2vsa.run_scores import ALGORITHMS, RunScores
-from emg2vsa.run_scores.domes import NO_DOMES, Domes
 from emg2vsa.settings import PAPER, CalibrationSettings, Law
 
 _MOST_UNLIKE = 0.5
@@ -88,10 +85,8 @@ class OneCondition:
     def _settings(self, of_paper: bool) -> CalibrationSettings:
         return dataclasses.replace(self.settings, **PAPER["calibration"]) if of_paper else self.settings
 
-    def result(
-        self, scatter: Mapping[Way, MountingScatter], domes: Mapping[str, Domes] | None = None
-    ) -> ConditionResult:
-        depth, (pins, no_pins) = self._indentation(scatter[DEPTH, False]), self._by_pins(domes or {})
+    def result(self, scatter: Mapping[Way, MountingScatter], by_pins: DesignByPins) -> ConditionResult:
+        depth = self._indentation(scatter[DEPTH, False])
         return ConditionResult(
             angle_deg=self.new.angle_deg,
             condition=self.new.condition,
@@ -101,17 +96,9 @@ class OneCondition:
             exponent=1 / self._growth,
             algorithms={name: self._algorithm(name, depth, scatter) for name in ALGORITHMS},
             indentation=None if depth is None else self._law(depth),
-            pins=pins,
-            no_pins=no_pins,
+            pins=by_pins.pins,
+            no_pins=by_pins.no_pins,
         )
-
-    def _by_pins(self, domes: Mapping[str, Domes]) -> tuple[PinsResult | None, str]:
-        of_runs = [domes.get(run.specimen, NO_DOMES) for run in self._runs]
-        try:
-            by = self.known, self.new, self.kappa, self.kappa_se, self.truth, of_runs, self.settings
-            return kappa_by_pins(*by), ""
-        except InputError as error:
-            return None, str(error)
 
     def _algorithm(self, name: str, depth: Estimate | None, scatter: Mapping[Way, MountingScatter]) -> AlgorithmResult:
         casr, new_casr = _padded([run.casr[name] for run in self.known]), self.new.casr[name]

@@ -175,6 +175,16 @@ class PinsResult:
         return low / known - 1, high / known - 1
 
 
+@dataclass(frozen=True, eq=False)
+class DesignByPins:
+    """One angle, degrees, and condition by its pins. pins : None where they tell no kappa, and no_pins says why."""
+
+    angle_deg: float
+    condition: str
+    pins: PinsResult | None
+    no_pins: str = ""
+
+
 Headline = PinsResult | LawResult
 """Both tell kappa, low, high, error and determined."""
 

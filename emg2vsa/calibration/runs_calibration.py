@@ -9,18 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from emg2vsa.arrays import Floats
+from emg2vsa.calibration.by_pins import LEAST_SPECIMENS
 from emg2vsa.calibration.cut_presses import cut_all, cut_forces
 from emg2vsa.calibration.forms import growth_power
 from emg2vsa.calibration.one_condition import DEPTH, OneCondition, Way, law_result, padded_labels, pooled_scatter
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.online_pins import known_pins
-from emg2vsa.calibration.results import CalibrationResults, Headline, LawResult
+from emg2vsa.calibration.results import CalibrationResults, DesignByPins, Headline, LawResult
 from emg2vsa.errors import DataError
 from emg2vsa.run_scores import ALGORITHMS, RunScores
 from emg2vsa.run_scores.domes import NO_DOMES, Domes
 from emg2vsa.settings import CalibrationSettings
 
-_LEAST_SPECIMENS = 2
 _WAYS: tuple[Way, ...] = (*((name, of_paper) for name in ALGORITHMS for of_paper in (False, True)), (DEPTH, False))
 _NO_NEW_SPECIMEN = "No stiffness was estimated: the study names no new_specimen under [profile]."
 
@@ -32,14 +32,14 @@ def calibrate_runs(
     settings: CalibrationSettings | None = None,
     *,
     kappa_se: Mapping[str, float] | None = None,
-    domes: Mapping[str, Domes] | None = None,
+    by_pins: Sequence[DesignByPins] = (),
 ) -> CalibrationResults:
     """Calibrate every angle and condition at which the new specimen was pressed.
 
     kappa : specimen to its stiffness by plate indentation, N/mm; that of the new specimen, if there, is the truth that
     its estimate is held against and enters no fit. kappa_se : its standard error, 0 where not given. Specimens without
-    a stiffness are left out. domes : specimen to the tables that its pins are held against, those of casr where not
-    given. Where the study names no new specimen there is nothing to calibrate, and a note says so.
+    a stiffness are left out. by_pins : what the pins tell, of each angle and condition where they were asked.
+    Where the study names no new specimen there is nothing to calibrate, and a note says so.
     DataError where no run is of the one it names.
     """
     settings = settings or CalibrationSettings()
@@ -55,7 +55,12 @@ def calibrate_runs(
         )
     conditions, notes = _conditions(runs, kappa, new_runs, settings, kappa_se or {})
     scatters = {key: pooled_scatter([each.scores(*key) for each in conditions], settings) for key in _WAYS}
-    results = [each.result({key: of[i] for key, of in scatters.items()}, domes) for i, each in enumerate(conditions)]
+    pins = {(each.angle_deg, each.condition): each for each in by_pins}
+    results = []
+    for i, each in enumerate(conditions):
+        place = each.new.angle_deg, each.new.condition
+        told = pins.get(place) or DesignByPins(*place, None, "its pins were not asked")
+        results.append(each.result({key: of[i] for key, of in scatters.items()}, told))
     return CalibrationResults(new_specimen, kappa.get(new_specimen, float("nan")), tuple(results), tuple(notes))
 
 
@@ -70,7 +75,7 @@ def _conditions(
     conditions, notes = [], []
     for new in new_runs:
         known = [run for run in runs if _same_place(run, new) and run.specimen in kappa and run is not new]
-        if len(known) < _LEAST_SPECIMENS:
+        if len(known) < LEAST_SPECIMENS:
             notes.append(f"{new.angle_deg:g}°, {new.condition}: {len(known)} known specimens, too few to calibrate")
             continue
         stiffness = np.array([kappa[run.specimen] for run in known])
@@ -140,6 +145,7 @@ def online_calibrations(
     """A calibration for presses of unknown specimens, for every angle and condition that has the presses for it.
 
     Arguments as for ``calibrate_runs``; the new specimen is left out. force_n : loading phase that was scored.
+    domes : specimen to the tables that its pins are held against, those of casr where not given.
     found : of the same runs by ``calibrate_runs``, whose fits to the pins are taken; None fits them.
     """
     settings = settings or CalibrationSettings()
@@ -150,7 +156,7 @@ def online_calibrations(
         known = [run for run in usable if (run.angle_deg, run.condition) == (angle_deg, condition)]
         rates = cut_all([_areas(run) for run in known], force_n[0], forces)
         there = np.flatnonzero(np.isfinite(rates[:, :, -1]).any(axis=1))
-        if there.size < _LEAST_SPECIMENS:
+        if there.size < LEAST_SPECIMENS:
             continue
         known = [known[s] for s in there]
         stiffness = np.array([kappa[run.specimen] for run in known])

@@ -57,6 +57,16 @@ class Campaign:
         return {entry.key: entry for entry in self.study.runs}
 
     @cached_property
+    def designs(self) -> dict[str, tuple[str, ...]]:
+        """``angle_condition`` to the keys of the runs there, wherever the new specimen was pressed."""
+        found: dict[str, list[str]] = {}
+        for key, entry in self.runs.items():
+            found.setdefault(f"{entry.angle_deg:g}_{entry.condition}", []).append(key)
+        new = self.study.profile.new_specimen
+        pressed = {design for design, keys in found.items() if any(self.runs[key].specimen == new for key in keys)}
+        return {design: tuple(keys) for design, keys in found.items() if design in pressed}
+
+    @cached_property
     def mountings(self) -> dict[str, Run]:
         """Name of its folder to what the emulated rig is to press there, in the order of the experiment; empty for
         measured runs."""

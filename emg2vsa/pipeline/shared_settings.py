@@ -61,6 +61,12 @@ def _keyed(emulated: EmulatedSettings) -> EmulatedSettings | Keyed:
     return Keyed(emulated, replace(emulated, domes=None)) if emulated.domes else emulated
 
 
+def own_domes(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
+    """A sensor's own tables of domes."""
+    source = campaign.study.runs_source
+    return {"domes": sorted(source.domes.glob("*.npz"))} if source and source.domes else {}
+
+
 def emulated_domes(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     """Tables of the emulated dome."""
     domes = campaign.rig and campaign.rig.emulated and campaign.rig.emulated.domes

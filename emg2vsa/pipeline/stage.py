@@ -1,7 +1,7 @@
 """What a stage is: each file of ``emg2vsa.pipeline.stages`` declares one as ``STAGE``; nothing else says what it is.
 
-A step is a stage for one item: one recording, one run of the rig, one of its mountings, one participant, or the whole
-study. ``run`` gets
+A step is a stage for one item: one recording, one participant, one run of the rig, one of its mountings, one design
+(angle and condition), or the whole study. ``run`` gets
 what the declaration names and nothing else, so that everything a result depends on is part of the step's key.
 """
 
@@ -96,7 +96,7 @@ class Stage:
     on_request : its steps run only where somebody asks for them; a result that is fresh counts, others do not exist.
     """
 
-    per: Literal["recording", "run", "mounting", "participant", "study"]
+    per: Literal["recording", "run", "mounting", "design", "participant", "study"]
     of: Part
     run: Callable[[Given], Any]
     needs: tuple[str, ...] = ()

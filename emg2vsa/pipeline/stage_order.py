@@ -26,6 +26,7 @@ ORDER = (
     "emulation",
     "runs",
     "discrimination",
+    "kappa",
     "calibration",
     "paths",
     "report",
@@ -95,6 +96,8 @@ def items(campaign: Campaign, name: str) -> tuple[str, ...]:
             return tuple(campaign.runs)
         case "mounting":
             return tuple(campaign.mountings)
+        case "design":
+            return tuple(campaign.designs)
         case "participant":
             return tuple(campaign.cells)
         case _:

@@ -12,8 +12,9 @@ from benchmarks.kappa import CAMERA, Trial, presses_of
 from casr.camera import KEYS
 from casr.dome.library import shipped
 from casr.kappa.estimate import estimate_kappa
+from emg2vsa.calibration.by_pins import design_by_pins
 from emg2vsa.calibration.online_pins import PinsEstimator
-from emg2vsa.calibration.results import ConditionResult
+from emg2vsa.calibration.results import ConditionResult, DesignByPins
 from emg2vsa.calibration.runs_calibration import calibrate_runs, online_calibrations
 from emg2vsa.run_scores import RunScores
 from emg2vsa.run_scores.domes import Domes
@@ -41,9 +42,22 @@ def runs(run_of: Callable[..., RunScores]) -> list[RunScores]:
 
 
 def calibrated(runs: list[RunScores], domes: dict[str, Domes] | None = None, **settings: float) -> ConditionResult:
-    kappa = dict(KAPPA)
-    (condition,) = calibrate_runs(runs, kappa, "S_new", replace(QUICK, **settings), domes=domes).conditions  # type: ignore[arg-type]
+    chosen = replace(QUICK, **settings)  # type: ignore[arg-type]
+    pins = by_pins(runs, KAPPA, chosen, domes)
+    (condition,) = calibrate_runs(runs, KAPPA, "S_new", chosen, by_pins=[pins]).conditions
     return condition
+
+
+def by_pins(
+    runs: list[RunScores],
+    kappa: dict[str, float],
+    settings: CalibrationSettings = QUICK,
+    domes: dict[str, Domes] | None = None,
+) -> DesignByPins:
+    return design_by_pins(
+        runs, kappa, "S_new", kappa_se={}, domes=domes or {}, confidence=settings.confidence,
+        mounting_sd_percent=settings.mounting_sd_percent,
+    )  # fmt: skip
 
 
 def test_it_is_what_casr_tells_of_the_same_presses(runs: list[RunScores]) -> None:
@@ -94,7 +108,7 @@ def test_the_calibration_file_takes_the_fit_of_the_study(runs: list[RunScores], 
     """What it holds are the known specimens' presses: a further press is told as where they were fitted alone."""
     alone = [run for run in runs if run.specimen != "S_new"]
     (fitted_again,) = online_calibrations(runs, KAPPA, "S_new", (0.5, 7.0), QUICK)
-    found = calibrate_runs(runs, KAPPA, "S_new", QUICK)
+    found = calibrate_runs(runs, KAPPA, "S_new", QUICK, by_pins=[by_pins(runs, KAPPA)])
     monkeypatch.setattr("emg2vsa.calibration.runs_calibration.known_pins", lambda *_: pytest.fail("fitted again"))
     (online,) = online_calibrations(runs, KAPPA, "S_new", (0.5, 7.0), QUICK, found=found)
     assert online.pins is not None
@@ -111,7 +125,7 @@ def test_the_calibration_file_takes_the_fit_of_the_study(runs: list[RunScores], 
 
 def test_the_true_stiffness_of_the_new_specimen_enters_no_fit(runs: list[RunScores]) -> None:
     unknown = {name: kappa for name, kappa in KAPPA.items() if name != "S_new"}
-    (condition,) = calibrate_runs(runs, unknown, "S_new", QUICK).conditions
+    (condition,) = calibrate_runs(runs, unknown, "S_new", QUICK, by_pins=[by_pins(runs, unknown)]).conditions
     found = calibrated(runs).pins
     assert condition.pins is not None
     assert found is not None

@@ -11,7 +11,8 @@ from benchmarks.small_study import small_rig
 from casr.errors import SettingError
 from emg2vsa.pipeline.campaign import Campaign, campaign
 from emg2vsa.pipeline.stage import value_of
-from emg2vsa.pipeline.stages import calibration, emulation, runs
+from emg2vsa.pipeline.stage_order import items
+from emg2vsa.pipeline.stages import calibration, emulation, kappa, runs
 from emg2vsa.rig_file import load_rig
 from emg2vsa.study import RunEntry, Study
 from emg2vsa.study_file import load_study
@@ -61,6 +62,23 @@ def test_the_new_specimen_has_a_height_too(tmp_path: Path) -> None:
     study = replace(study, runs=(RunEntry("N", 0.0, "modular", (tmp_path / "N",)),))
     assert runs.settings(Campaign(study), study.runs[0].key)["specimen_height_mm"] == 10
     assert calibration.settings(Campaign(study), "")["heights_mm"] == {"S1": 12, "S2": None, "N": 10}
+
+
+def test_kappa_of_a_design_hangs_on_its_own_runs_and_specimens(tmp_path: Path) -> None:
+    new = '[profile]\nnew_specimen = "N"\nnew_stiffness_n_per_mm = 4\nnew_height_mm = 10\n[runs]'
+    study = thin(tmp_path, STUDY.replace("[runs]", new))
+    pressed = {"modular": ("S1", "S2", "N"), "fixed": ("S1", "N"), "rigid": ("S1", "S2")}
+    entries = (
+        RunEntry(one, 0.0, condition, (tmp_path / one,)) for condition, names in pressed.items() for one in names
+    )
+    whole = Campaign(replace(study, runs=tuple(entries)))
+    assert items(whole, "kappa") == ("0_modular", "0_fixed")  # nobody asks for a new specimen that was not pressed
+    assert kappa.STAGE.takes is not None
+    assert kappa.STAGE.takes(whole, "0_fixed") == [("runs", "S1_0_fixed"), ("runs", "N_0_fixed")]
+    used = kappa.settings(whole, "0_fixed")
+    assert used["specimens"] == {"S1": 5.3, "N": 4}
+    assert used["heights_mm"] == {"S1": 12, "N": 10}
+    assert value_of(used["domes"]) == str(tmp_path / "mine")
 
 
 def test_a_folder_without_tables_is_told_before_anything_is_scored(tmp_path: Path) -> None:

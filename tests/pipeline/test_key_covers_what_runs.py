@@ -33,6 +33,7 @@ STEPS = {
     "emulation": "S1_0_modular",
     "runs": "S1_0_modular",
     "discrimination": "study",
+    "kappa": "0_modular",
     "calibration": "study",
     "paths": "study",
     "report": "study",

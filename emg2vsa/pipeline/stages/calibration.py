@@ -1,11 +1,11 @@
-"""Calibration: the stiffness of the new specimen from its spread rate."""
+"""Calibration: the stiffness of the new specimen from its spread rate, beside that by the pins."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from emg2vsa.pipeline.shared_settings import own_domes
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
 
 if TYPE_CHECKING:
@@ -31,12 +31,6 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     }
 
 
-def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
-    """A sensor's own tables of domes."""
-    source = campaign.study.runs_source
-    return {"domes": sorted(source.domes.glob("*.npz"))} if source and source.domes else {}
-
-
 def run(given: Given) -> CalibrationResults:
     from dataclasses import replace
 
@@ -52,7 +46,7 @@ def run(given: Given) -> CalibrationResults:
     folder, heights = used.get("domes"), used["heights_mm"]
     provenance |= {"domes": Path(folder).name} if folder else {}
     domes = {each.specimen: Domes(folder, heights.get(each.specimen)) for each in scores}
-    found = calibrate_runs(scores, specimens, new, settings, kappa_se=errors, domes=domes)
+    found = calibrate_runs(scores, specimens, new, settings, kappa_se=errors, by_pins=given.all("kappa"))
     online = online_calibrations(
         scores, specimens, new, used["force_n"], settings, kappa_se=errors, domes=domes, provenance=provenance,
         found=found,
@@ -82,6 +76,6 @@ def _said(each: ConditionResult, results: CalibrationResults) -> str:
 
 
 STAGE = Stage(
-    per="study", of="runs", needs=("runs",), run=run, settings=settings, files=files, says=says,
+    per="study", of="runs", needs=("runs", "kappa"), run=run, settings=settings, files=own_domes, says=says,
     gives="The stiffness of the new specimen is",
 )  # fmt: skip

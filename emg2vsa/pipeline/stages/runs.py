@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from emg2vsa.pipeline.shared_settings import emulation_settings
+from emg2vsa.pipeline.shared_settings import emulation_settings, own_domes
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
 
 if TYPE_CHECKING:
@@ -47,8 +47,7 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     source = campaign.study.runs_source
     assert source is not None
     inside = [] if campaign.rig else [path for folder in campaign.runs[item].folders for path in _files_in(folder)]
-    tables = sorted(source.domes.glob("*.npz")) if source.domes else []
-    return {"camera": [source.camera] if source.camera else [], "run": inside, "domes": tables}
+    return {"camera": [source.camera] if source.camera else [], "run": inside, **own_domes(campaign, item)}
 
 
 def _folders_in(folder: Path) -> list[str]:
