@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
@@ -50,6 +50,8 @@ class SpecimenWitness:
         self._slack_mm = self._cos * plan.ramp_mm_per_s * _SLACK_S
         self._named_mpa = plan.stiffness_n_per_mm and self._dome.modulus_mpa(plan.stiffness_n_per_mm)
         self._rest: list[tuple[float, float]] = []
+        self._at_rest: tuple[float, float] | None = None
+        "Their mean, once they are all there."
         self._mean_of = rig.filter_samples
         self._newest: deque[tuple[float, float]] = deque(maxlen=self._mean_of)
         self._turns: list[tuple[float, float]] = []
@@ -70,6 +72,7 @@ class SpecimenWitness:
                 self._rest, self._turns = [], []
                 self._newest.clear()
             self._rest.append((along_mm, normal))
+            self._at_rest = None
             return None
         self._loaded_s = loaded_s
         self._newest.append((along_mm, normal))
@@ -78,7 +81,7 @@ class SpecimenWitness:
         if self._named_mpa is None or not self._rest or len(self._newest) < self._mean_of:
             return None
         # noise of one sample is no other specimen; means of depth and force of the same turns are of the same curve
-        (rest_mm, rest), (now_mm, now) = (map(_mean, zip(*each, strict=True)) for each in (self._rest, self._newest))
+        (rest_mm, rest), (now_mm, now) = self._at_rest, _ = self._at_rest or _means(self._rest), _means(self._newest)
         per_mm = self._per_mm * (self._named_mpa * self._stiffer()) ** self._power
         gone_mm, named_mm = now_mm - rest_mm, (now - rest) / per_mm
         least_mm = gone_mm - math.copysign(self._slack_mm, gone_mm - named_mm)
@@ -140,5 +143,8 @@ def _nearest(far: Mapping[str, float]) -> str:
     return " or ".join(name for name, each in far.items() if each == least) if least <= _OTHER_SDS else ""
 
 
-def _mean(values: Sequence[float]) -> float:
-    return sum(values) / len(values)
+def _means(turns: Collection[tuple[float, float]]) -> tuple[float, float]:
+    many, first, second = len(turns), 0.0, 0.0
+    for one, other in turns:
+        first, second = first + one, second + other
+    return first / many, second / many

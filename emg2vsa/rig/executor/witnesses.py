@@ -165,8 +165,10 @@ def at_rest(motion: Motion, now_s: float) -> bool:
 def mean_size(vectors: Collection[tuple[float, ...]]) -> float:
     """Length of the mean of vectors of three parts."""
     # plain numbers: three at a time are too few for arrays to pay
-    many = len(vectors)
-    x, y, z = [sum(parts) / many for parts in zip(*vectors, strict=True)]
+    many, x, y, z = len(vectors), 0.0, 0.0, 0.0
+    for x_n, y_n, z_n in vectors:
+        x, y, z = x + x_n, y + y_n, z + z_n
+    x, y, z = x / many, y / many, z / many
     return math.sqrt(x * x + y * y + z * z)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -93,13 +92,17 @@ class RunLog:
     def __init__(self, path: Path, columns: LogColumns, writer: Writer = AT_ONCE) -> None:
         self.path, self.rows, self._columns = path, 0, columns
         self._as_written: Callable[[float], float | int] = round if columns.whole else float
+        self._types, self._form = list[type](), ""
         self._file = AppendFile(path, writer)
         self._file.append((",".join(header_of(columns)) + "\n").encode())
 
     def append(self, row: Row) -> None:
         """Write it, in one piece."""
         values = row[:_BEFORE] + self._of_actuator(row) + row[_AFTER:]
-        self._file.append((_form(tuple(map(type, values))) % values).encode())
+        types = list(map(type, values))
+        if types != self._types:  # of most rows as of the one before
+            self._types, self._form = types, _form(types)
+        self._file.append((self._form % values).encode())
         self.rows += 1
 
     def close(self) -> None:
@@ -178,8 +181,7 @@ class ForceFile:
         self._file.close()
 
 
-@lru_cache
-def _form(types: tuple[type, ...]) -> str:
+def _form(types: Sequence[type]) -> str:
     """What makes a line of a row of values of these types."""
     parts = ("%.6f" if issubclass(each, float) else "%.0s" if each is type(None) else "%s" for each in types)
     return ",".join(parts) + "\n"

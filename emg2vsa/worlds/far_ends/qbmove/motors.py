@@ -98,12 +98,11 @@ class Motors:
 
     def measured(self, memory: Memory) -> tuple[int, int, int]:
         """Encoder readings, internal ticks."""
-        places = zip(
-            self._raw(), self.faults.jumped_ticks, memory.offsets, self._turns_lost, memory.multipliers, strict=True
-        )
+        raw, jumped, offsets = self._raw(), self.faults.jumped_ticks, memory.offsets
+        lost, multipliers = self._turns_lost, memory.multipliers
         first, second, shaft = [
-            int((raw + jumped * INTERNAL_PER_TICK + offset - turns * INTERNAL_PER_TURN) * multiplier)
-            for raw, jumped, offset, turns, multiplier in places
+            int((raw[k] + jumped[k] * INTERNAL_PER_TICK + offsets[k] - lost[k] * INTERNAL_PER_TURN) * multipliers[k])
+            for k in (0, 1, 2)
         ]
         return first, second, shaft
 
@@ -170,7 +169,12 @@ class Motors:
 
     def _raw(self) -> list[int]:
         """What the three encoders read."""
-        raw = [math.floor(at / ENCODER_STEP) * ENCODER_STEP for at in self._at]
+        floor, (first, second, shaft) = math.floor, self._at
+        raw = [
+            floor(first / ENCODER_STEP) * ENCODER_STEP,
+            floor(second / ENCODER_STEP) * ENCODER_STEP,
+            floor(shaft / ENCODER_STEP) * ENCODER_STEP,
+        ]
         for sensor, frozen in self.faults.frozen.items():
             raw[sensor] = frozen
         return raw
