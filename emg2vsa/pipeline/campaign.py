@@ -6,7 +6,7 @@ import importlib
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from emg2vsa.errors import DataError
 from emg2vsa.readers.bids_sidecars import SideFileIndex
@@ -71,6 +71,16 @@ class Campaign:
         """Name of its folder to what the emulated rig is to press there, in the order of the experiment; empty for
         measured runs."""
         return {} if self.rig is None else {run.name: run for run in self.rig.experiment.ordered_runs()}
+
+    @cached_property
+    def places(self) -> dict[str, int]:
+        """Name of a mounting's folder to its place in the order of the experiment, from 1."""
+        return {name: place for place, name in enumerate(self.mountings, 1)}
+
+    @cached_property
+    def shared_settings(self) -> dict[str, dict[str, Any]]:
+        """Specimen to what all its emulated runs have in common, once ``emulation_settings`` has made it."""
+        return {}
 
     @cached_property
     def registered(self) -> Registered | None:

@@ -14,6 +14,7 @@ from emg2vsa.pipeline.stage import Keyed
 if TYPE_CHECKING:
     from emg2vsa.devices.device_settings import ActuatorSettings
     from emg2vsa.pipeline.campaign import Campaign
+    from emg2vsa.rig_file import RigFile
     from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 
@@ -31,29 +32,27 @@ def profile_settings(campaign: Campaign, counts: Any) -> dict[str, Any]:
 def emulation_settings(campaign: Campaign, item: str) -> dict[str, Any]:
     """Settings of one run. Of the other runs they hold only the place of this run among them."""
     assert campaign.rig is not None
-    assert campaign.rig.emulated is not None
-    run, rig, emulated = campaign.mountings[item], campaign.rig, campaign.rig.emulated
-    schedule_of = {one: other for one, other in rig.experiment.schedule_of.items() if one == run.specimen}
+    run, shared = campaign.mountings[item], campaign.shared_settings
+    if run.specimen not in shared:  # the same objects for all runs of a specimen: each is converted for keys once
+        shared[run.specimen] = _of_specimen(campaign.rig, run.specimen)
     changed = _changed_guards()
     return (
-        {
-            "run": run,
-            "order": 1 + list(campaign.mountings).index(item),
-            "experiment": replace(
-                rig.experiment,
-                specimens=(run.specimen,),
-                angles_deg={},
-                mountings=1,
-                schedule_of=schedule_of,
-                order="listed",
-                seed=0,
-            ),
-            "rig": rig.rig,
-            "emulated": _keyed(emulated.of(run.specimen)),
-        }
+        {"run": run, "order": campaign.places[item], **shared[run.specimen]}
         | ({"changed_guards": changed} if changed else {})
-        | _other_actuator(rig.devices.actuator)
+        | _other_actuator(campaign.rig.devices.actuator)
     )
+
+
+def _of_specimen(file: RigFile, specimen: str) -> dict[str, Any]:
+    """Settings that all runs of a specimen have in common."""
+    assert file.emulated is not None
+    schedule_of = {one: other for one, other in file.experiment.schedule_of.items() if one == specimen}
+    alone: dict[str, Any] = {"specimens": (specimen,), "angles_deg": {}, "mountings": 1, "order": "listed", "seed": 0}
+    return {
+        "experiment": replace(file.experiment, schedule_of=schedule_of, **alone),
+        "rig": file.rig,
+        "emulated": _keyed(file.emulated.of(specimen)),
+    }
 
 
 def _keyed(emulated: EmulatedSettings) -> EmulatedSettings | Keyed:
