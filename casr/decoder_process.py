@@ -92,9 +92,9 @@ def _carried_out(request: tuple[Any, ...], objects: dict[int, Any]) -> Any:
         case ("import", module):
             module_named(module)
             return None
-        case ("make", key, module, function, arguments):
-            objects[key] = getattr(sys.modules[module], function)(*arguments)
-            return None
+        case ("make", key, module, function, arguments, told):
+            objects[key] = made = getattr(sys.modules[module], function)(*arguments)
+            return getattr(made, told) if told else None
         case ("ask", key, name, arguments):
             value = getattr(objects[key], name)
             return value(*arguments) if callable(value) else value
@@ -133,14 +133,17 @@ class InChild:
     """An object that lives in the child: ``module.function(*arguments)``, made anew when the child had to be replaced.
 
     library : named in the reason of a crash. module, function : what makes the object; imported in the child only.
-    limits : of each request.
+    limits : of each request. told : an attribute whose value comes with the answer that it was made, as ``told``.
     DecoderFailed : the child crashed or met a limit. DecoderLost : it was killed, or could not be started. Whatever
         ``function`` raises is raised here too.
     """
 
-    def __init__(self, library: str, module: str, function: str, arguments: tuple[Any, ...], limits: Limits) -> None:
+    def __init__(
+        self, library: str, module: str, function: str, arguments: tuple[Any, ...], limits: Limits, told: str = ""
+    ) -> None:
         self._library, self._limits = library, limits
-        self._made_by = module, function, arguments
+        self._made_by = module, function, arguments, told
+        self.told: Any = None
         self._child: _Decoder | None = None
         self._key = 0
         with _lock:
@@ -156,11 +159,11 @@ class InChild:
 
     def _make(self) -> None:
         self._child = child = _running_child()
-        module, function, arguments = self._made_by
+        module, function, arguments, told = self._made_by
         used([module])
         child.import_decoder(module, self._library)
         self._key = next(child.keys)
-        child.ask(("make", self._key, module, function, arguments), self._limits, self._library)
+        self.told = child.ask(("make", self._key, module, function, arguments, told), self._limits, self._library)
         weakref.finalize(self, child.released.append, self._key)
 
 

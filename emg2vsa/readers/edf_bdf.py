@@ -2,14 +2,15 @@
 
 edfio believes the header. Checked here is what it would pass over: a first line or a header size that is wrong, a
 calibration that cannot be read (it then hands out the stored integers), and a discontinuous file (it joins the pieces).
-The samples of EDF are read when a channel is asked for, some data records at a time and not through edfio, which would
-hold the whole file in memory; those of BDF all at once. Formats: edfplus.info.
+Samples are read when a channel is asked for, some data records at a time and not through edfio, which would hold the
+whole file in memory, and decode every sample of a BDF. Formats: edfplus.info.
 """
 
 from __future__ import annotations
 
+import io
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
@@ -29,12 +30,12 @@ _EDF, _BDF = b"0       ", b"\xffBIOSEMI"
 _ENCODING = "latin-1"  # the specification says ASCII, but recorders write the micro sign
 Digital = NDArray[np.int16] | NDArray[np.int32]
 _AT_ONCE = 2**21
-"Stored samples that are in memory at a time, of all signals of an EDF or of one of a BDF."
+"Stored samples that are in memory at a time."
 
 
 @dataclass(frozen=True)
 class EdfRecording:
-    """signals : those of the file without its annotations. records : of an EDF, where its samples are."""
+    """signals : those of the file without its annotations. records : where their samples are."""
 
     path: Path
     contents: Contents
@@ -42,7 +43,7 @@ class EdfRecording:
     n_records: int
     side: SideFiles
     start_s: float
-    records: _Records | None = None
+    records: _Records
 
     def describe(self) -> tuple[ChannelInfo, ...]:
         return tuple(
@@ -62,8 +63,8 @@ class EdfRecording:
         unit, notes = self._unit(signal)
         notes = (*notes, *self._side(signal).warnings(name, fs_hz))
         n = self.n_records * signal.samples_per_data_record
-        pieces = _pieces(signal.digital) if self.records is None else self.records.of(i, self.n_records)
-        return StoredChannel(name, _calibrated(pieces, n, signal), unit, fs_hz, self.start_s, notes)
+        samples = _calibrated(self.records.of(i, self.n_records), n, signal)
+        return StoredChannel(name, samples, unit, fs_hz, self.start_s, notes)
 
     def _side(self, signal: EdfSignal | BdfSignal) -> SideChannel:
         return self.side.channels.get(signal.label.strip(), SideChannel())
@@ -88,7 +89,7 @@ def open_recording(path: Path) -> EdfRecording:
     is_bdf = _checked_head(path)
     with warnings.catch_warnings(record=True) as said:
         warnings.simplefilter("always")
-        file = _read(path, is_bdf)
+        file, records, n_records = _read(path, is_bdf)
         _refuse_gaps(path, file)
         start_s, started, unknown_start = _start(file)
     signals = file.signals
@@ -96,53 +97,55 @@ def open_recording(path: Path) -> EdfRecording:
     warned = [str(warning.message).removesuffix(" Updating header.") for warning in said]
     notes = (*warned, *unknown_start, *side.notes(max(signal.sampling_frequency for signal in signals)))
     contents = Contents(unique_names([signal.label for signal in signals]), {}, notes, started)
-    records = None if is_bdf else _Records.of_edf(path)
-    return EdfRecording(path, contents, signals, file.num_data_records, side, start_s, records)
+    return EdfRecording(path, contents, signals, n_records, side, start_s, records)
 
 
 @dataclass(frozen=True)
 class _Records:
-    """The data records of an EDF of so many samples each; columns : where those of each signal, without annotations,
-    begin and end in them. file : kept open, so that a file put in its place is not read for it."""
+    """Data records after the header ``head``, of ``size`` samples of ``width`` bytes; columns : where those of each
+    signal, without annotations, begin and end in them. file : kept open, so that a file put in its place is not read
+    for it."""
 
     file: BinaryIO
-    begin: int
+    head: bytes
     size: int
+    width: int
     columns: tuple[tuple[int, int], ...]
 
     @staticmethod
-    def of_edf(path: Path) -> _Records:
+    def of_file(path: Path, is_bdf: bool) -> _Records:
+        """ValueError where the header states no numbers."""
         file = path.open("rb")
         head = file.read(256)
         n = int(head[252:256])
         head += file.read(256 * n)
         labels = [head[256 + 16 * i : 272 + 16 * i].rstrip() for i in range(n)]
-        counts = head[256 + 216 * n :]
-        ends = np.cumsum([0, *(int(counts[8 * i : 8 * i + 8]) for i in range(n))]).tolist()
-        columns = [(ends[i], ends[i + 1]) for i in range(n) if labels[i] != b"EDF Annotations"]
-        return _Records(file, len(head), ends[-1], tuple(columns))
+        counts = head[256 + 216 * n :].decode(_ENCODING)
+        ends = np.cumsum([0, *(int(counts[8 * i : 8 * i + 8].strip()) for i in range(n))]).tolist()
+        notes = b"BDF Annotations" if is_bdf else b"EDF Annotations"
+        columns = [(ends[i], ends[i + 1]) for i in range(n) if labels[i] != notes]
+        return _Records(file, head, ends[-1], 3 if is_bdf else 2, tuple(columns))
 
     def of(self, i: int, n_records: int) -> Iterator[Digital]:
         """Stored samples of one signal, those of some records at a time. RecordingError where the file has become
         shorter since it was opened."""
         first, last = self.columns[i]
-        self.file.seek(self.begin)
-        at_once = max(1, _AT_ONCE // self.size)
+        self.file.seek(len(self.head))
+        at_once, step = max(1, _AT_ONCE // self.size), self.size * self.width
+        before = self.width % 2  # of three bytes and the one before them, three make the number
         for left in range(n_records, 0, -at_once):
             wanted = min(at_once, left)
-            found = np.fromfile(self.file, "<i2", count=wanted * self.size)
-            if found.size < wanted * self.size:
+            block = bytearray(before + wanted * step)
+            found = self.file.readinto(memoryview(block)[before:])  # type: ignore[attr-defined]
+            if found < wanted * step:
                 raise RecordingError(
                     self.file.name, wanted=f"{n_records} data records, as when it was opened",
-                    found=f"{n_records - left + found.size // self.size}",
+                    found=f"{n_records - left + found // step}",
                     do="Wait until the program that writes it has finished, then read it again.",
                 )  # fmt: skip
-            yield found.reshape(-1, self.size)[:, first:last].ravel()
-
-
-def _pieces(digital: Digital) -> Iterator[Digital]:
-    for first in range(0, digital.size, _AT_ONCE):
-        yield digital[first : first + _AT_ONCE]
+            shape, steps = (wanted, last - first), (step, self.width)
+            stored = np.ndarray(shape, "<i4" if before else "<i2", block, first * self.width, steps)
+            yield (stored >> 8 if before else stored).ravel()
 
 
 def _calibrated(pieces: Iterator[Digital], n: int, signal: EdfSignal | BdfSignal) -> NDArray[np.float64]:
@@ -183,12 +186,11 @@ def _checked_head(path: Path) -> bool:
     return head.startswith(_BDF)
 
 
-def _read(path: Path, is_bdf: bool) -> Edf | Bdf:
+def _read(path: Path, is_bdf: bool) -> tuple[Edf | Bdf, _Records, int]:
+    """The header with the annotations as edfio reads them, and the data records with their number."""
     try:
-        if is_bdf:
-            file: Edf | Bdf = edfio.read_bdf(path, header_encoding=_ENCODING)
-        else:
-            file = edfio.read_edf(path, lazy_load_data=True, header_encoding=_ENCODING)
+        records = _Records.of_file(path, is_bdf)
+        file, n_records = _described(path, records, edfio.read_bdf if is_bdf else edfio.read_edf)
     except MemoryError:
         raise
     except Exception as error:  # edfio raises whatever its parsing stumbles over, even NameError
@@ -203,9 +205,28 @@ def _read(path: Path, is_bdf: bool) -> Edf | Bdf:
             path, wanted="data records of a positive duration, with samples of every signal",
             found=f"{file.data_record_duration:g} s, and {fewest} samples of a signal", do="Export the file again.",
         )  # fmt: skip
-    if file.num_data_records == 0:
+    if n_records == 0:
         raise _no_records(path)
-    return file
+    return file, records, n_records
+
+
+def _described(path: Path, records: _Records, read: Callable[..., Edf | Bdf]) -> tuple[Edf | Bdf, int]:
+    """edfio, which decodes all that it is given, gets the first data record, which states the start; every one where
+    the header says that there may be gaps."""
+    head, step, kind = records.head, records.size * records.width, read.__name__[-3:].upper()
+    if head[192:].startswith((b"EDF+D", b"BDF+D")):
+        file = read(path, header_encoding=_ENCODING)
+        return file, file.num_data_records
+    stated = int(head[236:244].decode(_ENCODING).strip())
+    n_records, rest = divmod(path.stat().st_size - len(head), step)
+    if rest:
+        warnings.warn(f"Incomplete data record at the end of the {kind} file. Data was truncated.", stacklevel=2)
+    if n_records != stated:
+        told = f"{kind} header indicates {stated} data records, but file contains {n_records} records."
+        warnings.warn(told, stacklevel=2)
+    given = min(n_records, 1)
+    part = head[:236] + b"%-8d" % given + head[244:] + records.file.read(given * step)
+    return read(io.BytesIO(part), header_encoding=_ENCODING), n_records
 
 
 def _damaged(path: Path, error: Exception) -> RecordingError:

@@ -93,8 +93,8 @@ class _OpenInChild:
         self.path, self._reader = path, reader
         limits = Limits(reading.max_seconds, reading.max_memory_mb).for_file(path)
         with self._failures():
-            self._file = InChild(str(reader.library), reader.module, "open_recording", (path,), limits)
-            self.contents: Contents = self._file.ask("contents")
+            self._file = InChild(str(reader.library), reader.module, "open_recording", (path,), limits, "contents")
+            self.contents: Contents = self._file.told
 
     def describe(self) -> tuple[ChannelInfo, ...]:
         with self._failures():
