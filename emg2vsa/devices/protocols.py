@@ -68,10 +68,9 @@ class ForceSample:
 
     def _take(self, time_s: float, loads: tuple[float, ...], status: SensorStatus, sequence: int | None) -> None:
         fx, fy, fz, tx, ty, tz = loads
-        self.__dict__.update(  # a frozen dataclass
-            time_s=time_s, loads=loads, status=status, sequence=sequence,
-            size_n=math.sqrt(fx * fx + fy * fy + fz * fz), torque_size_nm=math.sqrt(tx * tx + ty * ty + tz * tz),
-        )  # fmt: skip
+        own, sqrt = self.__dict__, math.sqrt  # a frozen dataclass
+        own["time_s"], own["loads"], own["status"], own["sequence"] = time_s, loads, status, sequence
+        own["size_n"], own["torque_size_nm"] = sqrt(fx * fx + fy * fy + fz * fz), sqrt(tx * tx + ty * ty + tz * tz)
 
     @cached_property
     def force_n(self) -> NDArray[np.float64]:

@@ -184,12 +184,12 @@ class Probe:
         if not self.remembers:
             elastic_n, growth = self._resistance(depth_mm)
             return elastic_n * self._lever_m_per_rad, growth * self._depth_mm_per_rad * self._lever_m_per_rad
-        history, end, growth = self._end_of_step(shaft_rad, depth_mm)
-        normal_n, shear_n = history.forces(*end)
+        elastic_n, slope, way_mm, growth = self._end_of_step(shaft_rad, depth_mm)
+        normal_n, shear_n = self._history.forces(elastic_n, slope, way_mm)
         if normal_n <= 0:
             return 0.0, 0.0
         # of a contact that sticks to a rigid mount: what a solver goes by need not be exact
-        growth_nm = growth / history.beta * self._stiffer * self._mm2_per_rad2 / 1000
+        growth_nm = growth / self._history.beta * self._stiffer * self._mm2_per_rad2 / 1000
         return (normal_n * self._cos + shear_n * self._sin) * self._mm_per_rad / 1000, growth_nm
 
     def settle(self, shaft_rad: float) -> Touch:
@@ -203,10 +203,10 @@ class Probe:
                 self._history.reset()
             self._at_rad, self._elastic_n, self._touch = self.touch_rad, 0.0, APART
             return APART
-        history, end, _ = self._end_of_step(shaft_rad, depth_mm)
-        normal_n, shear_n = history.advance(*end)
-        self._at_rad, self._elastic_n = shaft_rad, end[0]
-        self._touch = Touch(normal_n, shear_n, end[0], history.way_mm) if normal_n > 0 else APART
+        elastic_n, slope, way_mm, _ = self._end_of_step(shaft_rad, depth_mm)
+        normal_n, shear_n = self._history.advance(elastic_n, slope, way_mm)
+        self._at_rad, self._elastic_n = shaft_rad, elastic_n
+        self._touch = Touch(normal_n, shear_n, elastic_n, self._history.way_mm) if normal_n > 0 else APART
         return self._touch
 
     def load_nm(self, shaft_rad: float) -> float:
@@ -215,16 +215,15 @@ class Probe:
             return self.torque_nm(shaft_rad)[0]
         return self.along_n(self._touch.normal_n, self._touch.shear_n) * self._mm_per_rad / 1000
 
-    def _end_of_step(
-        self, shaft_rad: float, depth_mm: float
-    ) -> tuple[ContactHistory, tuple[float, float, float], float]:
-        """The history in this step; elastic force, N, its slope, N/mm, and way along the surface, mm, with the shaft
-        there at its end; and the growth of the force there, N/mm."""
+    def _end_of_step(self, shaft_rad: float, depth_mm: float) -> tuple[float, float, float, float]:
+        """Elastic force, N, its slope, N/mm, and way along the surface, mm, with the shaft there at the end of the
+        step; and the growth of the force there, N/mm."""
         if not self._begun:
             self._history.begin(self._step_s)
             self._begun = True
         elastic_n, growth = self._resistance(depth_mm)
         turned_rad = shaft_rad - self._at_rad
-        deeper_mm = turned_rad * self._depth_mm_per_rad
-        slope = (elastic_n - self._elastic_n) / deeper_mm if not -_SAME_MM <= deeper_mm <= _SAME_MM else growth
-        return self._history, (elastic_n, slope, turned_rad * self._mm_per_rad * self._sin), growth
+        deeper_mm, way_mm = turned_rad * self._depth_mm_per_rad, turned_rad * self._mm_per_rad * self._sin
+        if -_SAME_MM <= deeper_mm <= _SAME_MM:
+            return elastic_n, growth, way_mm, growth
+        return elastic_n, (elastic_n - self._elastic_n) / deeper_mm, way_mm, growth

@@ -196,15 +196,15 @@ class RdtBox:
         stream, ticks = self._due(time_s)
         if stream is None:
             return None
-        if not self.faults.stuck:
-            self._noisy.skip(len(ticks) - 1)
-        tick, at_s = ticks[-1], stream.last_s
+        faults, many, at_s = self.faults, len(ticks), stream.last_s
+        if not faults.stuck:
+            self._noisy.skip(many - 1)
         (load,) = self._loads((at_s,))
-        if self.faults.skip:
-            self._skipped, self.faults.skip = self._skipped + self.faults.skip, 0
-        number = stream.rdt_sequence = (stream.rdt_sequence + len(ticks)) % 2**32
+        if faults.skip:
+            self._skipped, faults.skip = self._skipped + faults.skip, 0
+        number = stream.rdt_sequence = (stream.rdt_sequence + many) % 2**32
         status, counts = self._read(load)
-        return Record(number, (tick + self._skipped) % 2**32, status, counts), at_s
+        return Record(number, (ticks[-1] + self._skipped) % 2**32, status, counts), at_s
 
     def records_until(self, time_s: float) -> list[tuple[Record, float]]:
         """Every record that is due, and when it is measured, s. Who takes them here gets no datagrams of them."""
