@@ -6,6 +6,7 @@ import json
 import sys
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -120,7 +121,7 @@ def test_a_dome_on_a_plate_is_that_of_other_elements(shared_data: Callable[[str]
 def test_forces_balance_and_all_work_is_stored(soft: Pressed) -> None:
     assert soft.unbalance < 1e-6
     assert soft.unstored < 5e-5  # points that touch within a step
-    assert press(replace(SOFT, step_mm=0.025)).unstored < 5e-6
+    assert press(replace(SOFT, force_n=1.0, step_mm=0.025)).unstored < 5e-6
 
 
 def test_a_rigid_ball_on_a_layer_is_that_of_another_program() -> None:
@@ -203,7 +204,9 @@ def test_an_unreachable_force_is_told() -> None:
         press(replace(SOFT, specimen=Specimen(Rubber(1e-3)), force_n=50.0, mesh_mm=2.0, step_mm=1.0))
 
 
-def test_a_table_in_millimetres_of_20_is_read_and_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_table_in_millimetres_of_20_is_read_and_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
     sensor, out = tmp_path / "sensor.toml", tmp_path / "out"
     sensor.write_text(SENSOR, encoding="utf-8")
     page = tmp_path / "page.html"
@@ -226,6 +229,7 @@ def test_a_table_in_millimetres_of_20_is_read_and_kept(tmp_path: Path, capsys: p
     assert (out / "mine_krigid_frictionless.npz").stat().st_mtime_ns == before
     whole = (out / "mine_krigid_frictionless.npz").read_bytes()
     (out / "mine_krigid_frictionless.npz").write_bytes(whole[: len(whole) // 2])
+    monkeypatch.setattr("casr.dome.solver.cases.press", cache(press))  # two files are made anew, of one more solution
     assert main(words) == 0  # half a file is none
     with np.load(out / "mine_krigid_frictionless.npz") as kept:
         arrays = dict(kept)
