@@ -11,9 +11,7 @@ Shear shrinks the contact's area, adhesion enlarges it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from functools import cache, lru_cache
-from typing import Any
+from functools import lru_cache
 
 from emg2vsa.dome_contact import SHEAR_OVER_NORMAL
 from emg2vsa.errors import SettingError
@@ -58,7 +56,6 @@ class ContactHistory:
         self._give, self._instant = 1 / mount_n_per_mm, relaxation.instant
         branches = sorted(zip(relaxation.taus_s, relaxation.branches, strict=True))
         self._n_branches = len(branches)
-        self._weigh, self._grow = _written_out(len(branches))
         self._weights = lru_cache(_STEP_LENGTHS)(lambda step_s: _weights(branches, relaxation.instant, step_s))
         self.reset()
 
@@ -70,11 +67,17 @@ class ContactHistory:
 
     def begin(self, step_s: float) -> None:
         """A step of that length."""
-        (left, from_old, self._from_new), self.beta = self._weights(step_s)
-        self._parts, self._alpha_n, self._shear_parts, shear_alpha = self._weigh(
-            left, from_old, self._normal, self._shear, self._normal_n, self._shear_n
-        )
-        self._pulled_n, self._given_mm = self._convolved_n - shear_alpha, self._give * self._shear_n
+        weights, self.beta = self._weights(step_s)
+        old_n, shear_n = self._normal_n, self._shear_n
+        alpha = shear_alpha = 0.0
+        parts, shear_parts = [], []
+        for (left, from_old, _), z, q in zip(weights, self._normal, self._shear, strict=True):
+            part, shear_part = left * z + from_old * old_n, left * q + from_old * shear_n
+            alpha, shear_alpha = alpha + part, shear_alpha + shear_part
+            parts.append(part)
+            shear_parts.append(shear_part)
+        self._alpha_n, self._parts, self._shear_parts, self._of_step = alpha, parts, shear_parts, weights
+        self._pulled_n, self._given_mm = self._convolved_n - shear_alpha, self._give * shear_n
 
     def forces(self, elastic_n: float, slope_n_per_mm: float, way_mm: float) -> tuple[float, float]:
         """Normal and shear force, N, at the end of the step; both 0 where nothing pushes back there (shear: Mindlin
@@ -95,63 +98,30 @@ class ContactHistory:
     def advance(self, elastic_n: float, slope_n_per_mm: float, way_mm: float) -> tuple[float, float]:
         """Go there; normal and shear force then, N, as `forces`."""
         normal_n, shear_n = self.forces(elastic_n, slope_n_per_mm, way_mm)
-        self._normal, self._shear, grown_n = self._grow(
-            self._from_new, self._parts, self._shear_parts, normal_n, shear_n, self._instant * shear_n
-        )
+        grown_n = self._instant * shear_n
+        normal, shear = [], []
+        for (_, _, from_new), part, shear_part in zip(self._of_step, self._parts, self._shear_parts, strict=True):
+            normal.append(part + from_new * normal_n)
+            z = shear_part + from_new * shear_n
+            shear.append(z)
+            grown_n = grown_n + z
         # where nothing presses yet there is nothing to shear
         self.way_mm += (grown_n - self._convolved_n) / (SHEAR_OVER_NORMAL * slope_n_per_mm + _TINY_N_PER_MM)
-        self._normal_n, self._shear_n, self._convolved_n = normal_n, shear_n, grown_n
+        self._normal, self._shear, self._normal_n, self._shear_n = normal, shear, normal_n, shear_n
+        self._convolved_n = grown_n
         return normal_n, shear_n
-
-
-Shares = tuple[float, ...]
 
 
 def _weights(
     branches: list[tuple[float, float]], instant: float, step_s: float
-) -> tuple[tuple[Shares, Shares, Shares], float]:
-    """Weights of all branches over a step: of their states, of the force at the start and of that at the end; and
-    beta."""
-    steps = [(shares_of_step(step_s / tau_s), branch) for tau_s, branch in branches]
-    from_new = tuple(branch * new for (_, _, new), branch in steps)
-    beta = instant
-    for each in from_new:
-        beta = beta + each
-    return (
-        tuple(left for (left, _, _), _ in steps),
-        tuple(branch * old for (_, old, _), branch in steps),
-        from_new,
-    ), beta
-
-
-@cache
-def _written_out(n: int) -> tuple[Callable[..., Any], Callable[..., Any]]:
-    """What begins a step of n branches, and what ends it. Written out they take half the time of a loop for the same
-    sums in the same order, and every millisecond in contact comes by here."""
-
-    def each(form: str) -> str:
-        return ", ".join(form.format(k=k) for k in range(n))
-
-    def total(first: str, name: str) -> str:
-        return " + ".join([first, *(f"{name}{k}" for k in range(n))])
-
-    functions: dict[str, Any] = {}
-    exec(
-        f"""
-def weigh(left, from_old, normal, shear, normal_n, shear_n):
-    [{each("l{k}")}], [{each("o{k}")}], [{each("z{k}")}], [{each("q{k}")}] = left, from_old, normal, shear
-    [{each("z{k}")}] = parts = [{each("l{k} * z{k} + o{k} * normal_n")}]
-    [{each("q{k}")}] = shear_parts = [{each("l{k} * q{k} + o{k} * shear_n")}]
-    return parts, {total("0.0", "z")}, shear_parts, {total("0.0", "q")}
-
-def grow(from_new, parts, shear_parts, normal_n, shear_n, grown_n):
-    [{each("w{k}")}], [{each("z{k}")}], [{each("q{k}")}] = from_new, parts, shear_parts
-    [{each("q{k}")}] = shear = [{each("q{k} + w{k} * shear_n")}]
-    return [{each("z{k} + w{k} * normal_n")}], shear, {total("grown_n", "q")}
-""",
-        functions,
-    )
-    return functions["weigh"], functions["grow"]
+) -> tuple[list[tuple[float, float, float]], float]:
+    """Weights of each branch over a step: of its state, of the force at the start and of that at the end; and beta."""
+    weights, beta = [], instant
+    for tau_s, branch in branches:
+        left, from_old, from_new = shares_of_step(step_s / tau_s)
+        weights.append((left, branch * from_old, branch * from_new))
+        beta = beta + weights[-1][2]
+    return weights, beta
 
 
 def area_share(shear_n: float, normal_n: float, friction: float) -> float:
