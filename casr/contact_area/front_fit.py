@@ -221,9 +221,11 @@ class _Search:
         around = self._view.around(directions, np.repeat(axes, len(self._directions), axis=0))
         moved = np.empty((len(directions), 2, library.radius_mm.size, library.n_worlds), dtype=kind)
         n_pins = max(1, _BLOCK // moved[0, 0].size)
+        low, share = library.nodes_at(around.arc_mm)
         for first in range(0, len(directions), n_pins):
             some = slice(first, first + n_pins)
-            moved[some] = around.of(some).moved_px(*library.motion_at(around.arc_mm[some], kind))
+            motion = library.between(low[some], share[some], kind)
+            around.moved_px(*motion, pins=some, out=moved[some])
         return around, moved.reshape(len(axes), -1, *moved.shape[2:])
 
     def along(self, around: PinsAroundAxis, radius_mm: Array) -> Array:

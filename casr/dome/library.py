@@ -95,13 +95,21 @@ class Library:
         kind : single precision where speed counts for more than digits: an arc that differs in its last one moves the
         seventh of the motion, and areas by 1e-6.
         """
+        return self.between(*self.nodes_at(arc_mm), kind)
+
+    def nodes_at(self, arc_mm: Array) -> tuple[Rows, Array]:
+        """(N,) node below each arc (N,), mm, and the share of the one above it; of ``between``."""
         place = np.clip(arc_mm / self.arc_mm[1], 0, self.arc_mm.size - 1.000001)
         low = place.astype(np.intp)
-        share = (place - low).astype(kind)[:, None, None]
+        return low, place - low
+
+    def between(self, low: Rows, share: Array, kind: type[Real]) -> NDArray[Real]:
+        """``motion_at`` arcs of ``nodes_at``, and its ``kind``."""
+        part = share.astype(kind)[:, None, None]
         between: NDArray[Real] = self._by_arc.take(low, axis=1).astype(kind, copy=False)
-        between *= 1 - share
+        between *= 1 - part
         above = self._by_arc.take(low + 1, axis=1).astype(kind, copy=False)
-        above *= share
+        above *= part
         between += above
         return between
 

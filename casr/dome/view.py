@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
+from functools import cached_property
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ OUTER_RADIUS_MM, SKIN_MM = 20.0, 1.0
 "Outer radius and skin of the finite-element domes."
 INNER_RADIUS_MM = OUTER_RADIUS_MM - SKIN_MM
 "Radius of the skin on which pins stand."
+_ALL, _N_OF_PIN = slice(None), 14
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,49 +98,39 @@ class PinsAroundAxis:
         """(N,) arc along the inside of the skin from the middle of the contact to the root of each pin."""
         return self.view.inner_radius_mm * self.angle
 
-    def of(self, pins: slice) -> PinsAroundAxis:
-        """Some of the pins: n of the N, with arrays (n, 3) and (n,)."""
-        axis = np.broadcast_to(self.axis, self.directions.shape)[pins]
-        return PinsAroundAxis(self.view, self.directions[pins], axis, self.outward[pins], self.angle[pins])
-
     def moved_px(
         self,
         u_r_mm: NDArray[Real],
         u_z_mm: NDArray[Real],
         tilt_rad: NDArray[Real],
         pulled_mm: NDArray[Real] | None = None,
+        *,
+        pins: slice = _ALL,
+        out: NDArray[Real] | None = None,
     ) -> NDArray[Real]:
         """(N, 2, ...) px from rest, of displacements (N, ...) of the skin under the pins across and along the axis, mm,
         and its tilt there, rad.
 
-        pulled_mm : (N, 3, ...) more that friction adds, mm.
+        pulled_mm : (N, 3, ...) more that friction adds, mm. pins : some of the pins, n of the N. out : to write into.
         A pin is stiff and stands square on the skin, so its tip turns with it. An axis that is not the dome's own is an
         assumption: it takes the clamped base for as far away from that contact as from one at the pole.
         """
         kind = tilt_rad.dtype
-        by_pin = (-1, *(1,) * (tilt_rad.ndim - 1))
-        length, angle = kind.type(self.view.pin_length_mm), self.angle.astype(kind).reshape(by_pin)
+        table = self._of_kind(kind)[:, pins].reshape(_N_OF_PIN, -1, *(1,) * (tilt_rad.ndim - 1))
+        (angle, sine, cosine), tips, outward, axis, rest_px = table[:3], table[3:6], table[6:9], table[9:12], table[12:]
+        length = kind.type(self.view.pin_length_mm)
         turned = angle - tilt_rad
         # each line changes its array in place: libraries of domes come here, and memory takes longer than the sums
-        out, up = np.sin(turned), np.cos(turned)
-        for along, at_rest, moved_mm in ((out, np.sin(angle), u_r_mm), (up, np.cos(angle), u_z_mm)):
+        across, up = np.sin(turned), np.cos(turned)
+        for along, at_rest, moved_mm in ((across, sine, u_r_mm), (up, cosine, u_z_mm)):
             along -= at_rest
             along *= -length
             along += moved_mm
-        tips, outward, axis, rest_px = (
-            each.astype(kind).T.reshape(-1, *angle.shape)
-            for each in (
-                self.view.tip_radius_mm * self.directions,
-                self.outward,
-                np.broadcast_to(self.axis, self.directions.shape),
-                self.view.rest_px(self.directions) - self.view.pole_px,
-            )
-        )
 
         room, place = turned, np.empty_like(turned)
 
         def coordinate(k: int, place: NDArray[Real]) -> NDArray[Real]:
-            np.multiply(out, outward[k], out=place)
+            np.multiply(across, outward[k], out=place)
             place += tips[k]
             place += np.multiply(up, axis[k], out=room)
             if pulled_mm is not None:
@@ -148,10 +140,27 @@ class PinsAroundAxis:
         away = coordinate(2, np.empty_like(turned))
         away += kind.type(self.view.behind_mm)
         per_mm = np.divide(1, away, out=away)
-        moved = np.empty((len(tilt_rad), 2, *tilt_rad.shape[1:]), dtype=kind)
+        moved = np.empty((len(tilt_rad), 2, *tilt_rad.shape[1:]), dtype=kind) if out is None else out
         for k in range(2):
             coordinate(k, place)
             place *= kind.type(self.view.focal_px[k])
             place *= per_mm
             np.subtract(place, rest_px[k], out=moved[:, k])
         return moved
+
+    def _of_kind(self, kind: np.dtype[Any]) -> NDArray[Any]:
+        """(14, N) what ``moved_px`` needs of each pin, in this precision; made once."""
+        if kind not in self._tables:
+            angle, view = self.angle.astype(kind), self.view
+            columns = (
+                view.tip_radius_mm * self.directions, self.outward, np.broadcast_to(self.axis, self.directions.shape),
+                view.rest_px(self.directions) - view.pole_px,
+            )  # fmt: skip
+            self._tables[kind] = np.concatenate(
+                [np.stack([angle, np.sin(angle), np.cos(angle)]), np.hstack(columns).T.astype(kind)]
+            )
+        return self._tables[kind]
+
+    @cached_property
+    def _tables(self) -> dict[np.dtype[Any], NDArray[Any]]:
+        return {}

@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,6 +48,9 @@ class State:
     shared: Array
     own: Array
     radius_mm: Array
+
+
+_UNDISTURBED = State(np.zeros(len(SHARED)), np.array([0, 0.5, 0, 0]), np.empty(0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,15 +227,18 @@ class PressField:
             left.append(float(np.sqrt(residual @ residual / (residual.size - self.n_of_frames))))
         return np.array(left)
 
+    @cached_property
+    def _undisturbed(self) -> PinsAroundAxis:
+        return self._around(_UNDISTURBED)
+
     def started(self, worlds: Sequence[TableWorld]) -> list[tuple[State, float]]:
         """For each of the worlds the state in which each frame has the radius that suits it best; cost, px^2."""
-        undisturbed = State(np.zeros(len(SHARED)), np.array([0, 0.5, 0, 0]), np.empty(0))
-        around, seen, states = self._around(undisturbed), self._moved.reshape(self.n_frames, -1), []
+        seen, states = self._moved.reshape(self.n_frames, -1), []
         for world in worlds:
-            every = self._moved_by(world.motion, around).reshape(world.radius_mm.size, -1)
+            every = self._moved_by(world.motion, self._undisturbed).reshape(world.radius_mm.size, -1)
             cost = (every**2).sum(axis=1) - 2 * seen @ every.T
             rising = np.maximum.accumulate(world.radius_mm[np.argmin(cost, axis=1)])
-            shared, own = undisturbed.shared.copy(), undisturbed.own.copy()
+            shared, own = _UNDISTURBED.shared.copy(), _UNDISTURBED.own.copy()
             shared[0], own[0] = world.place, world.z
             states.append((State(shared, own, rising), float((cost.min(axis=1) + (seen**2).sum(axis=1)).sum())))
         return states

@@ -175,16 +175,28 @@ class _Fit:
         if labels is not None:
             before = zip(self._fields, labels.fields, labels.states, strict=True)
             return labels.mean, [_followed(new, old, state) for new, old, state in before]
-        tried = []
-        for place in places:
-            worlds = [TableWorld.of(self._family, place, z) for z in _ZS]
-            tried.append([min(field.started(worlds), key=lambda each: each[1]) for field in self._fields])
-        best = min(tried, key=lambda each: sum(cost for _, cost in each))
+        best = self._best_start(places)
         at = self._prior.copy()
         at[0] = best[0][0].shared[0]
         for where, (state, _) in zip(self._own_at, best, strict=True):
             at[where : where + len(OWN)] = state.own
         return at, [state.radius_mm for state, _ in best]
+
+    def _best_start(self, places: Sequence[float]) -> list[tuple[State, float]]:
+        """For each press the state and cost that it begins with, at the place where all presses together cost least.
+
+        The next press is always tried at the place that is cheapest so far: a place that is the cheapest with all
+        presses is so for good, as no press makes one cheaper.
+        """
+        worlds = [[TableWorld.of(self._family, place, z) for z in _ZS] for place in places]
+        tried: list[list[tuple[State, float]]] = [[] for _ in places]
+        cost = [0.0 for _ in places]
+        while len(tried[cheapest := cost.index(min(cost))]) < len(self._fields):
+            field = self._fields[len(tried[cheapest])]
+            found = min(field.started(worlds[cheapest]), key=lambda each: each[1])
+            tried[cheapest].append(found)
+            cost[cheapest] += found[1]
+        return tried[cheapest]
 
     def _states(self, at: Array, radii: Sequence[Array]) -> list[State]:
         return [_state(into @ at, radius_mm) for into, radius_mm in zip(self._maps, radii, strict=True)]

@@ -30,7 +30,8 @@ class PinSlopes:
         place = self._out * self._outward + self._up * self._axis + tips
         per_mm = 1 / (place[2] + view.behind_mm)
         self._slant, self._scale = place[:2] * per_mm, np.reshape(view.focal_px, (2, 1, 1)) * per_mm
-        self.moved_px = np.reshape(view.focal_px, (2, 1, 1)) * self._slant - _rest_px(pins)
+        self._rest_px = _rest_px(pins)
+        self.moved_px = np.reshape(view.focal_px, (2, 1, 1)) * self._slant - self._rest_px
         self._across, self._along = self._seen(self._outward), self._seen(self._axis)
 
     def by_skin(self, change: Array) -> Array:
@@ -52,7 +53,7 @@ class PinSlopes:
         way += self._up * _first((other.axis - pins.axis)[None] / step)
         way += _first((other.view.tip_radius_mm * other.directions - view.tip_radius_mm * pins.directions) / step)
         way[2] += (other.view.behind_mm - view.behind_mm) / step
-        rest = (_rest_px(other) - _rest_px(pins)) / step
+        rest = (_rest_px(other) - self._rest_px) / step
         return np.asarray(out * self._across + up * self._along + self._seen(way) - rest)
 
     def _seen(self, way_mm: Array) -> Array:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,17 +25,17 @@ Points = NDArray[np.float64]
 class Neighbours:
     """Where pins were, those of the next frame, and who is beside whom.
 
-    before_px : (N, 2). after_px : (M, 2). links : (N, N) of ``links_of``. spacing_px : (N,) distance to the nearest.
-    shape : (height, width) of the frame.
+    before_px : (N, 2). after_px : (M, 2). beside : (N, k) rows of each pin's neighbours. spacing_px : (N,) distance to
+    the nearest. shape : (height, width) of the frame.
     """
 
     before_px: Points
     after_px: Points
-    links: Points
+    beside: NDArray[np.intp]
     spacing_px: NDArray[np.float64]
     shape: tuple[int, ...]
 
-    def followed(self, guesses_px: Sequence[Points]) -> NDArray[np.intp]:
+    def followed(self, guesses_px: Iterable[Points]) -> NDArray[np.intp]:
         """Row of ``after_px`` for each pin, -1 where there is none; no row twice.
 
         Pins close to where they are expected are matched first; then the motion is handed on to those beside them, ring
@@ -49,7 +50,7 @@ class Neighbours:
         fewest = len(self.before_px) + len(self.after_px)
         for guess in guesses_px:
             pins, hits = match_pins(guess, self.after_px, max_distance_px=SEED_REACH * self.spacing_px)
-            for island in _islands(pins, self.links):
+            for island in _islands(pins, self._links):
                 rows = np.full(len(self.before_px), -1, np.intp)
                 rows[pins[island]] = hits[island]
                 self._grow(rows)
@@ -60,11 +61,18 @@ class Neighbours:
                     return best
         return best
 
+    @cached_property
+    def _links(self) -> NDArray[np.bool_]:
+        """(N, N) whether a pin is beside another."""
+        links = np.zeros((len(self.beside), len(self.beside)), np.bool_)
+        np.put_along_axis(links, self.beside, True, axis=1)
+        return links
+
     def _expected(self, rows: NDArray[np.intp]) -> Points:
         """Where each pin should be by the motion of those beside it that have a row."""
         known = rows >= 0
         move = np.where(known[:, None], self.after_px[rows] - self.before_px, 0.0)
-        return np.asarray(self.before_px + neighbour_mean(move, known, self.links))
+        return np.asarray(self.before_px + neighbour_mean(move, known, self.beside))
 
     def _unexplained(self, rows: NDArray[np.intp]) -> int:
         """Pins that ought to be in view but have no row, and rows that no pin has."""
@@ -77,11 +85,13 @@ class Neighbours:
         """Fill in the rows (N,) of pins beside those that have one, until no more fit."""
         while True:
             known = rows >= 0
-            support = np.where(known, 0.0, self.links @ known)
+            support = np.where(known, 0, known[self.beside].sum(axis=1))
             if not support.any():
                 return
             ready = np.flatnonzero(support >= min(ENOUGH_NEIGHBOURS, support.max()))
-            free = np.setdiff1d(np.arange(len(self.after_px)), rows[known])
+            taken = np.zeros(len(self.after_px), np.bool_)
+            taken[rows[known]] = True
+            free = np.flatnonzero(~taken)
             reach_px = GROWTH_REACH * self.spacing_px[ready]
             pins, hits = match_pins(self._expected(rows)[ready], self.after_px[free], max_distance_px=reach_px)
             if not pins.size:
@@ -89,9 +99,9 @@ class Neighbours:
             rows[ready[pins]] = free[hits]
 
 
-def _islands(pins: NDArray[np.intp], links: Points) -> list[NDArray[np.bool_]]:
+def _islands(pins: NDArray[np.intp], links: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
     """The largest sets of pins (as masks of ``pins``) in which each is beside another, largest first."""
-    beside = links[np.ix_(pins, pins)] > 0
+    beside = links[np.ix_(pins, pins)]
     beside |= beside.T
     left = np.ones(len(pins), bool)
     islands = []
@@ -105,19 +115,19 @@ def _islands(pins: NDArray[np.intp], links: Points) -> list[NDArray[np.bool_]]:
     return sorted(islands, key=lambda island: -int(island.sum()))[:MOST_ISLANDS]
 
 
-def links_of(beside: NDArray[np.intp]) -> NDArray[np.float64]:
-    """(N, N) matrix with a 1 for every pin beside another, from the rows (N, k) of each pin's neighbours."""
-    links = np.zeros((len(beside), len(beside)))
-    np.put_along_axis(links, beside, 1.0, axis=1)
-    return links
+def neighbour_mean(move_px: Points, known: NDArray[np.bool_], beside: NDArray[np.intp]) -> Points:
+    """Mean motion (N, 2) of the known neighbours of each pin, whose rows are (N, k); its own where none is known."""
+    move = np.ascontiguousarray(move_px).view(np.complex128)[:, 0]  # x + iy: one sum for both
+    if known.all():
+        return _as_points(np.add.reduce(move[beside], axis=1) / beside.shape[1])
+    count = np.add.reduce(known[beside], axis=1, dtype=np.intp)
+    total = np.add.reduce((move * known)[beside], axis=1)
+    return _as_points(np.where(count > 0, total / np.maximum(count, 1), move))
 
 
-def neighbour_mean(move_px: Points, known: NDArray[np.bool_], links: NDArray[np.float64]) -> Points:
-    """Mean motion (N, 2) of the known neighbours of each pin; its own where none is known."""
-    count = links @ known
-    total = links @ (move_px * known[:, None])
-    mean: Points = np.where(count[:, None] > 0, total / np.maximum(count, 1.0)[:, None], move_px)
-    return mean
+def _as_points(complex_px: NDArray[np.complex128]) -> Points:
+    """(N, 2) x, y of (N,) x + iy."""
+    return complex_px.view(np.float64).reshape(-1, 2)
 
 
 def common_shifts_px(before_px: Points, after_px: Points, pitch_px: float) -> NDArray[np.float64]:

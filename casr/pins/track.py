@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,7 +14,7 @@ from casr.images import Grey
 from casr.median import median
 from casr.pins.detect import Pins, find_pins, fit_view, reach_px
 from casr.pins.lattice import NEIGHBOURS, at_border, nearest_pins
-from casr.pins.propagate import Neighbours, common_shifts_px, links_of, neighbour_mean
+from casr.pins.propagate import Neighbours, common_shifts_px, neighbour_mean
 from casr.pins.spots import Spots, measure_spots
 from casr.pins.view import PinSettings, line_noise, noisy_share
 
@@ -83,7 +84,6 @@ class PinTracker:
         self._places = _Places(at_px, np.zeros_like(at_px), pins.area_px.copy(), np.zeros(n, bool))
         self._beside = nearest_pins(at_px, NEIGHBOURS)[1]
         self._border = at_border(at_px, self._beside)
-        self._links = links_of(self._beside)
         self._spacing_px = _gaps_px(at_px, self._beside).min(axis=1)
         self._shine = self._shine_of(measure_spots(self._frame, at_px, reach_px(self._spacing_px)))
         self._pitch_px = float(np.median(self._spacing_px))
@@ -141,7 +141,7 @@ class PinTracker:
 
     def _torn(self, move_px: Points, seen: Mask) -> bool:
         """Whether many pins part from those around them, along one line or very far."""
-        apart = (move_px - neighbour_mean(move_px, seen, self._links))[seen & ~self._border] / self._pitch_px
+        apart = (move_px - neighbour_mean(move_px, seen, self._beside))[seen & ~self._border] / self._pitch_px
         most = APART_SHARE * len(apart)
         length = np.hypot(apart[:, 0], apart[:, 1])
         far = length > APART_PITCHES
@@ -156,7 +156,7 @@ class PinTracker:
         expected = before + last.move_px
         at_px, area, seen = self._look(grey, expected)
         if (~seen & ~last.lost).any():
-            beside_px = before + neighbour_mean(at_px - before, seen, self._links)
+            beside_px = before + neighbour_mean(at_px - before, seen, self._beside)
             at_px, area, seen = self._look(grey, np.where(seen[:, None], at_px, beside_px))
         vanished = int((~seen & ~last.lost).sum())
         most = 0 if self._since_search >= RARELY else ONE_SIDE * np.sqrt(len(seen))
@@ -164,7 +164,7 @@ class PinTracker:
         if vanished > most or _median_length(at_px - expected) > LONGEST_LOOK * self._pitch_px:
             at_px, area, seen = self._search(grey, expected)
             self._since_search = 0
-        at_px = np.where(seen[:, None], at_px, before + neighbour_mean(at_px - before, seen, self._links))
+        at_px = np.where(seen[:, None], at_px, before + neighbour_mean(at_px - before, seen, self._beside))
         return _Places(at_px, at_px - before, np.where(seen, area, last.area_px), ~seen)
 
     def _without_knock(self, places: _Places) -> _Places:
@@ -188,7 +188,7 @@ class PinTracker:
         seen &= (area < AREA_CHANGE * last.area_px) & (area * AREA_CHANGE > last.area_px)
         at_px = np.where(seen[:, None], spots.centroids_px, expected)
         move = at_px - last.at_px
-        apart = move - neighbour_mean(move, seen, self._links)
+        apart = move - neighbour_mean(move, seen, self._beside)
         seen &= np.hypot(apart[:, 0], apart[:, 1]) <= LONGEST_LOOK * self._spacing_px
         return at_px, area, seen & ~self._taken_twice(at_px, expected)
 
@@ -207,10 +207,15 @@ class PinTracker:
             pins = find_pins(grey, self._view)
         except PinsError:
             return expected, last.area_px, np.zeros(len(expected), bool)
-        shifts = common_shifts_px(last.at_px, pins.centroids_px, self._pitch_px)
-        guesses = [expected, last.at_px, *(last.at_px + shift for shift in shifts)]
-        beside = Neighbours(last.at_px, pins.centroids_px, self._links, self._spacing_px, self._frame.shape)
-        rows = beside.followed(guesses)
+        beside = Neighbours(last.at_px, pins.centroids_px, self._beside, self._spacing_px, self._frame.shape)
+
+        def guesses() -> Iterator[Points]:
+            yield expected
+            yield last.at_px
+            # a vote over all pairs, which mostly nobody needs
+            yield from last.at_px + common_shifts_px(last.at_px, pins.centroids_px, self._pitch_px)[:, None]
+
+        rows = beside.followed(guesses())
         seen = rows >= 0
         at_px = np.where(seen[:, None], pins.centroids_px[rows], expected)
         seen &= ~self._in_glare(measure_spots(grey, at_px, reach_px(self._spacing_px)))
