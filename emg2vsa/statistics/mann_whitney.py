@@ -328,9 +328,10 @@ def _window(samples: _Samples, place: int) -> _Window:
         if before is not None and cut.count != before.count:
             rate = (cut.v - before.v) / (cut.count - before.count)
         # past the place, so that the other end comes nearer, too
-        goal = place + np.sign(place - cut.count + 0.5) * max(few // 4, abs(place - cut.count) // 16)
-        narrowed = before is None or high.count - low.count < 0.9 * held
-        middle, before = cut.v + (goal - cut.count) * rate if narrowed else np.nan, cut
+        off = abs(place - cut.count)
+        goal = place + np.sign(place - cut.count + 0.5) * max(few // 4, off // 16)
+        nearer = before is None or high.count - low.count < 0.9 * held or 2 * off < abs(place - before.count)
+        middle, before = cut.v + (goal - cut.count) * rate if nearer else np.nan, cut
     return _sorted_between(samples, low, high)
 
 
