@@ -181,22 +181,16 @@ class Values:
         self._held: dict[tuple[int, int], tuple[Any, set[str]]] = {}
         self._parts: dict[tuple[Hashable, ...], tuple[Any, Part, tuple[str, ...]]] = {}
 
-    def part(self, settings: dict[str, Any]) -> Part:
-        """The settings of one step."""
-        return self._known(settings)[1]
-
-    def types(self, settings: dict[str, Any]) -> tuple[str, ...]:
-        """Modules of this project whose objects the settings are: what uses these need not import those."""
-        return self._known(settings)[2]
-
-    def _known(self, settings: dict[str, Any]) -> tuple[Any, Part, tuple[str, ...]]:
+    def part(self, settings: dict[str, Any]) -> tuple[Part, tuple[str, ...]]:
+        """The settings of one step, and modules of this project whose objects they are: what uses these need not import
+        those."""
         same = tuple(item for name, value in settings.items() for item in (name, _same(value)))
         known = self._parts.get(same)
         if known is None:
             # the settings are kept, so that no other object gets their id
             types = tuple(sorted(self._modules(settings.values())))
             self._parts[same] = known = (settings, part_of(self.plain(settings)), types)
-        return known
+        return known[1:]
 
     def _modules(self, values: Iterable[Any], depth: int = 3) -> set[str]:
         """Modules of this project that define the types of ``values``, and of what these hold, so many levels deep:
@@ -236,13 +230,17 @@ class Values:
         return known[1]
 
 
+_PLAIN = frozenset((type(None), str, int, float, bool))
+
+
 def _same(value: Any) -> Hashable:
     """Equal for settings that are surely the same: by what they are where they are plain, by their place otherwise."""
-    if isinstance(value, Keyed):
+    kind = type(value)
+    if kind in _PLAIN:
+        return kind, value
+    if kind is Keyed:
         return type(value.value), _same(value.key)
-    if isinstance(value, tuple):
-        return tuple(map(_same, value))
-    return (type(value), value) if value is None or isinstance(value, (str, int, float)) else id(value)
+    return tuple(map(_same, value)) if isinstance(value, tuple) else id(value)
 
 
 def _kind_of(value: Any) -> tuple[type, bool]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from casr.blas_kernel import blas_kernel
@@ -176,7 +176,8 @@ class StepPlan:
     def _use(self, step: Step, loaded: tuple[str, ...]) -> Reached:
         """Give a step the key that it has with the code and libraries that it uses, and say which they are."""
         used = self._code.used(module_of(step.stage), tuple(dict.fromkeys((*step.types, *loaded))))
-        step.parts = replace(step.parts, code=used.modules, libraries=used.libraries)
+        own = step.parts
+        step.parts = Parts(own.settings, own.files, own.inputs, used.modules, used.libraries)
         step.key, step.loaded = _key(step.stage, step.item, step.parts), loaded
         return used
 
@@ -228,9 +229,8 @@ class StepPlan:
         for paths in own.files(self.campaign, item).values():
             for path in map(str, paths):
                 reads[path], files[_beside(path, base)] = self.prints.seen(path)
-        settings = own.settings(self.campaign, item)
-        parts = Parts(self._values.part(settings), files, known, _NOTHING, _NOTHING)
-        step = Step(name, item, parts, "", reads=reads, types=self._values.types(settings))
+        settings, types = self._values.part(own.settings(self.campaign, item))
+        step = Step(name, item, Parts(settings, files, known, _NOTHING, _NOTHING), "", reads=reads, types=types)
         self._use_as_before(step)
         if blocked:
             step.status, step.message = "blocked", f"{blocked} failed"
@@ -248,10 +248,12 @@ class StepPlan:
         have, did it use the same modules and libraries as last time."""
         kept = (self.ledger, self._below) if self._below else (self.ledger,)
         before = list(dict.fromkeys(loaded for ledger in kept for loaded in ledger.loaded(step.id))) or [()]
-        for loaded in (*before, before[0]):
+        for loaded in before:
             self._use(step, loaded)
             if any(ledger.with_key(step.id, step.key) for ledger in kept):
                 return
+        if len(before) > 1:
+            self._use(step, before[0])
 
     def _look_up(self, step: Step, own: Stage) -> None:
         """Status of a step whose key is known."""

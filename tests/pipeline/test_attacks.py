@@ -87,7 +87,7 @@ class _Lab:
         (item,) = found.runs
         prints = Fingerprints(self.folder / "memory")
         files = [f"{path} {prints.file(path)}" for of in runs.files(found, item).values() for path in of]
-        return Values().part(runs.settings(found, item)).digest, files
+        return Values().part(runs.settings(found, item))[0].digest, files
 
 
 @pytest.fixture

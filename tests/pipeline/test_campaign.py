@@ -68,5 +68,5 @@ def test_the_order_of_the_muscles_is_in_the_key_of_trials(tmp_path: Path) -> Non
         path = folder / "study.toml"
         path.write_text(small_study(muscles=order))
         found = campaign(load_study(path))
-        digests.append(Values().part(stage("trials").settings(found, "P01/S1")).digest)
+        digests.append(Values().part(stage("trials").settings(found, "P01/S1"))[0].digest)
     assert digests[0] != digests[1]

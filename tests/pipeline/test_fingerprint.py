@@ -165,9 +165,9 @@ def test_settings_become_plain_values_in_a_fixed_order() -> None:
 
 def test_where_something_lies_is_no_part_of_a_key() -> None:
     values = Values()
-    parts = [values.part({"filters": Filters(20.0, Path(where)), "at": Path(where)}) for where in ("/a", "/b")]
+    parts = [values.part({"filters": Filters(20.0, Path(where)), "at": Path(where)})[0] for where in ("/a", "/b")]
     assert parts[0].digest == parts[1].digest
-    assert values.part({"filters": Filters(21.0, Path("/a")), "at": None}).digest != parts[0].digest
+    assert values.part({"filters": Filters(21.0, Path("/a")), "at": None})[0].digest != parts[0].digest
 
 
 @dataclass(frozen=True)
@@ -178,14 +178,14 @@ class Holding:
 def test_settings_tell_the_modules_of_their_types() -> None:
     """But not of what a setting holds beside its key."""
     part, values = Part("", {}), Values()
-    assert values.types({"a": Holding(({"b": part},)), "c": Keyed(1, 1)}) == ("emg2vsa.pipeline.fingerprint",)
-    assert values.types({"a": Keyed(part, None)}) == ("emg2vsa.pipeline.fingerprint",)
-    assert values.types({"a": Keyed(Holding((part,)), None)}) == values.types({"a": Keyed(None, None)}) == ()
+    assert values.part({"a": Holding(({"b": part},)), "c": Keyed(1, 1)})[1] == ("emg2vsa.pipeline.fingerprint",)
+    assert values.part({"a": Keyed(part, None)})[1] == ("emg2vsa.pipeline.fingerprint",)
+    assert values.part({"a": Keyed(Holding((part,)), None)})[1] == values.part({"a": Keyed(None, None)})[1] == ()
 
 
 def test_a_shared_object_is_converted_once(monkeypatch: pytest.MonkeyPatch) -> None:
     values, shared = Values(), Filters(20.0, Path("x"))
-    first = values.part({"filters": shared, "n": 1})
-    assert values.part({"filters": shared, "n": 1}) is first
+    first, _ = values.part({"filters": shared, "n": 1})
+    assert values.part({"filters": shared, "n": 1})[0] is first
     monkeypatch.setattr("dataclasses.fields", lambda value: pytest.fail("converted again"))
-    assert values.part({"filters": shared, "n": 2}).digest != first.digest
+    assert values.part({"filters": shared, "n": 2})[0].digest != first.digest
