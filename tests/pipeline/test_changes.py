@@ -89,8 +89,9 @@ def test_stiffness_of_one_emulated_specimen_concerns_its_runs_and_what_stiffness
     steps = look(study)
     not_fresh = {step.id: step.status for step in steps.values() if step.status != "fresh"}
     own = {f"{name}/S1_0_{c}": "stale" for name in ("emulation", "runs") for c in ("high-stiffness", "modular")}
-    behind = dict.fromkeys(("discrimination/study", "calibration/study", "paths/study", "report/study"), "waits")
-    assert not_fresh == own | behind | {"stiffness/study": "stale"}
+    behind = [f"{name}/study" for name in ("discrimination", "calibration", "paths", "report")]
+    behind += ["kappa/0_high-stiffness", "kappa/0_modular"]
+    assert not_fresh == own | dict.fromkeys(behind, "waits") | {"stiffness/study": "stale"}
     assert steps["emulation/S1_0_modular"].reasons == ("setting emulated.stiffness_n_per_mm.S1: 7.63 -> 7.0",)
 
 

@@ -9,8 +9,9 @@ import pytest
 
 from benchmarks.small_study import small_rig
 from casr.errors import SettingError
+from emg2vsa.errors import DataError
 from emg2vsa.pipeline.campaign import Campaign, campaign
-from emg2vsa.pipeline.stage import value_of
+from emg2vsa.pipeline.stage import Given, value_of
 from emg2vsa.pipeline.stage_order import items
 from emg2vsa.pipeline.stages import calibration, emulation, kappa, runs
 from emg2vsa.rig_file import load_rig
@@ -79,6 +80,8 @@ def test_kappa_of_a_design_hangs_on_its_own_runs_and_specimens(tmp_path: Path) -
     assert used["specimens"] == {"S1": 5.3, "N": 4}
     assert used["heights_mm"] == {"S1": 12, "N": 10}
     assert value_of(used["domes"]) == str(tmp_path / "mine")
+    with pytest.raises(DataError, match=r"0_fixed: expected one scored run or more, but found none\. See why its runs"):
+        kappa.run(Given("0_fixed", used))
 
 
 def test_a_folder_without_tables_is_told_before_anything_is_scored(tmp_path: Path) -> None:

@@ -36,10 +36,14 @@ def takes(campaign: Campaign, item: str) -> list[Input]:
 
 
 def run(given: Given) -> DesignByPins:
+    """DataError : none of its runs was scored."""
     from emg2vsa.calibration.by_pins import design_by_pins
+    from emg2vsa.errors import DataError
     from emg2vsa.run_scores.domes import Domes
 
     used, scores = given.settings, given.all("runs")
+    if not scores:
+        raise DataError(given.item, wanted="one scored run or more", found="none", do="See why its runs failed.")
     folder, heights = used.get("domes"), used["heights_mm"]
     return design_by_pins(
         scores, used["specimens"], used["new_specimen"], kappa_se=used["standard errors"],
