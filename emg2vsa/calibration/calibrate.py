@@ -37,9 +37,9 @@ class Calibration:
     """d calibrations on S specimens with up to R presses each; NaN where undefined.
 
     kappa, kappa_se : (d, S) N/mm, given, with the standard error of the Hooke fit, 0 where exact. specimen_share,
-    angle_share, other_exponent : see ``calibrate``. casr : (d, S, R) scores, NaN where there is none, in ``casr_unit``;
-    labels : (S, R) mounting of each press. mounting : how they differ. mean_casr : (d, S). fit : the law. r2, adj_r2 :
-    (d,) of kappa about its mean, over the points that were fitted.
+    angle_share : (d,), and other_exponent : see ``calibrate``. casr : (d, S, R) scores, NaN where there is none, in
+    ``casr_unit``; labels : (S, R) mounting of each press. mounting : how they differ. mean_casr : (d, S). fit : the
+    law. r2, adj_r2 : (d,) of kappa about its mean, over the points that were fitted.
     """
 
     settings: CalibrationSettings
@@ -47,8 +47,8 @@ class Calibration:
     casr_unit: str
     kappa: Floats
     kappa_se: Floats
-    specimen_share: float
-    angle_share: float
+    specimen_share: Floats
+    angle_share: Floats
     other_exponent: float
     casr: Floats
     labels: Ints
@@ -132,8 +132,8 @@ def calibrate(
     casr_unit: str,
     specimens: tuple[str, ...] = (),
     kappa_se: ArrayLike = 0.0,
-    specimen_share: float = 0.0,
-    angle_share: float = 0.0,
+    specimen_share: ArrayLike = 0.0,
+    angle_share: ArrayLike = 0.0,
     mounting_sd: float = 0.0,
     mountings: ArrayLike | None = None,
     scatter: MountingScatter | None = None,
@@ -143,12 +143,12 @@ def calibrate(
 
     kappa : (S,) or (d, S), N/mm, > 0. casr : (S, R) or (d, S, R), NaN where there is no score. specimens : their names.
     kappa_se : standard errors of kappa. specimen_share : standard deviation of a score between specimens, as a share of
-    it, that no mounting and no press shows. angle_share : the same for the angle of a mounting, with its sign
-    (``forms``). mounting_sd : the same for all else in a mounting. mountings : (S, R) number of the mounting of each
-    press; omitted: one of each specimen. Where they are enough to tell (``mountings``), their scatter takes the place
-    of angle_share and mounting_sd. scatter : that of more mountings than these, in place of theirs. other_exponent :
-    that the presses show in place of Hertz's, see ``forms``. All of these widen the interval from repeats and do not
-    change the fit.
+    it, that no mounting and no press shows, one or (d,). angle_share : the same for the angle of a mounting, with its
+    sign (``forms``). mounting_sd : the same for all else in a mounting. mountings : (S, R) number of the mounting of
+    each press; omitted: one of each specimen. Where they are enough to tell (``mountings``), their scatter takes the
+    place of angle_share and mounting_sd. scatter : that of more mountings than these, in place of theirs.
+    other_exponent : that the presses show in place of Hertz's, see ``forms``. All of these widen the interval from
+    repeats and do not change the fit.
     DataError where shapes do not fit or kappa is not positive.
     """
     settings = settings or CalibrationSettings()
@@ -170,8 +170,8 @@ def calibrate(
         casr_unit=casr_unit,
         kappa=stiffness,
         kappa_se=_checked_kappa_se(kappa_se, stiffness),
-        specimen_share=specimen_share,
-        angle_share=angle_share,
+        specimen_share=np.broadcast_to(np.asarray(specimen_share, dtype=np.float64), d),
+        angle_share=np.broadcast_to(np.asarray(angle_share, dtype=np.float64), d),
         other_exponent=other_exponent,
         casr=scores,
         labels=labels,

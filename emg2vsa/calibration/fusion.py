@@ -66,9 +66,10 @@ class Fusion:
             return ("undefined: one of the two cues gives no stiffness",)
         notes: tuple[str, ...] = ()
         if self.p[i] < DISAGREE_P:
+            by_depth = np.broadcast_to(self.kinesthetic.kappa, self.kappa.shape)[i]
             notes += (
                 f"the cues disagree (p = {self.p[i]:.2g}): {self.cutaneous.kappa[i]:.3g} N/mm by contact area, "
-                f"{self.kinesthetic.kappa[i]:.3g} N/mm by indentation; a law does not hold, or a sensor drifts",
+                f"{by_depth:.3g} N/mm by indentation; a law does not hold, or a sensor drifts",
             )
         if self.weight[i] in (0.0, 1.0):
             notes += ("the scores are so correlated that the better cue alone is taken",)
@@ -127,7 +128,8 @@ def fuse(
 ) -> Fusion:
     """kappa of d specimens by both cues, of the same presses in the same order.
 
-    c, k : interval of each cue alone. area, depth : (d, R) the scores it is from, NaN where there is none.
+    c, k : interval of each cue alone. area, depth : (d, R) the scores it is from, NaN where there is none. Of the
+    kinesthetic cue d may be 1: one for all.
     mountings : (R,) number of each press's mounting; None: one.
     Weights of correlated estimates after Lyons, Gibaut and Clifford (1988); what estimated variances cost, after Meier
     (1953).

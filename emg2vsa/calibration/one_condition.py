@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +38,8 @@ _MOST_UNLIKE = 0.5
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Scores:
-    """Scores of one condition for K choices of presses: of the known specimens (K, S, R) and the new one (K, R), and
-    the mounting of each press.
+    """K scores of every press of one condition, by several vision algorithms or for several choices of presses: of the
+    known specimens (K, S, R) and the new one (K, R), and the mounting of each press.
     """
 
     known: Floats
@@ -47,9 +48,9 @@ class Scores:
     new_labels: Ints
 
 
-Way = tuple[str, bool]
-"""Vision algorithm, or ``DEPTH``, and whether the paper's settings hold."""
-DEPTH = "indentation"
+Way = Literal["chosen", "paper", "indentation"]
+"""By the settings of the study, by those of the paper, or by how deep the probe goes in."""
+WAYS: tuple[Way, ...] = get_args(Way)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -61,15 +62,18 @@ class OneCondition:
     truth: float
     settings: CalibrationSettings
 
-    def scores(self, name: str, of_paper: bool) -> Scores:
-        """Scores of all presses, without outliers where the settings leave them out."""
-        if name == DEPTH:
+    def scores(self, way: Way) -> Scores:
+        """Scores of all presses by every vision algorithm, without outliers where the settings leave them out; or those
+        of the indentation."""
+        if way == "indentation":
             return self._side_by_side([mm_per_n(run.indent_n_per_mm)[None] for run in self._runs])
-        mads = self._settings(of_paper).outlier_mads
-        return self._side_by_side([without_outliers(run.casr[name][None], mads) for run in self._runs])
+        mads = self._settings(way).outlier_mads
+        return self._side_by_side(
+            [without_outliers(np.stack([run.casr[name] for name in ALGORITHMS]), mads) for run in self._runs]
+        )
 
     def many_scores(self, name: str, which: Mapping[int, NDArray[np.bool_]]) -> Scores:
-        """The same for K choices of presses. which : of each run, by ``id``, (K, R)."""
+        """Scores by one vision algorithm for K choices of presses. which : of each run, by ``id``, (K, R)."""
         casr = (np.where(which[id(run)], run.casr[name], np.nan) for run in self._runs)
         return self._side_by_side([without_outliers(each, self.settings.outlier_mads) for each in casr])
 
@@ -82,11 +86,11 @@ class OneCondition:
     def _runs(self) -> tuple[RunScores, ...]:
         return (*self.known, self.new)
 
-    def _settings(self, of_paper: bool) -> CalibrationSettings:
-        return dataclasses.replace(self.settings, **PAPER["calibration"]) if of_paper else self.settings
+    def _settings(self, way: Way) -> CalibrationSettings:
+        return dataclasses.replace(self.settings, **PAPER["calibration"]) if way == "paper" else self.settings
 
     def result(self, scatter: Mapping[Way, MountingScatter], by_pins: DesignByPins) -> ConditionResult:
-        depth = self._indentation(scatter[DEPTH, False])
+        depth = self._indentation(scatter["indentation"])
         return ConditionResult(
             angle_deg=self.new.angle_deg,
             condition=self.new.condition,
@@ -94,27 +98,34 @@ class OneCondition:
             specimens=self._names,
             known_kappa=self.kappa,
             exponent=1 / self._growth,
-            algorithms={name: self._algorithm(name, depth, scatter) for name in ALGORITHMS},
-            indentation=None if depth is None else self._law(depth),
+            algorithms=self._algorithms(depth, scatter),
+            indentation=None if depth is None else law_result(depth, self.truth),
             pins=by_pins.pins,
             no_pins=by_pins.no_pins,
         )
 
-    def _algorithm(self, name: str, depth: Estimate | None, scatter: Mapping[Way, MountingScatter]) -> AlgorithmResult:
-        casr, new_casr = _padded([run.casr[name] for run in self.known]), self.new.casr[name]
-        chosen, of_paper = (self._by_area(name, paper, scatter[name, paper]) for paper in (False, True))
-        kept = self.scores(name, False)
-        laws = compare_laws(self.kappa, kept.known[0], self.settings, casr_unit=self._casr_unit)
-        return AlgorithmResult(
-            casr=casr,
-            new_casr=new_casr,
-            casr_unit=self._casr_unit,
-            chosen=self._law(chosen, (*self._left_out_presses(casr, new_casr), *self._other_friction)),
-            paper=self._law(of_paper),
-            left_out_rms={law: float(score[0]) for law, score in zip(laws.laws, laws.score, strict=True)},
-            best_law=laws.best() or "",
-            fused=None if depth is None else self._fused(self._both(chosen, kept.new[0], depth)),
-        )
+    def _algorithms(self, depth: Estimate | None, scatter: Mapping[Way, MountingScatter]) -> dict[str, AlgorithmResult]:
+        """By vision algorithm; all of them at once, as their arrays are small."""
+        kept = self.scores("chosen")
+        chosen = self.estimated(ALGORITHMS, kept, self.settings, scatter["chosen"])
+        of_paper = self.estimated(ALGORITHMS, self.scores("paper"), self._settings("paper"), scatter["paper"])
+        fused = None if depth is None else self._both(chosen, kept.new, depth)
+        laws = compare_laws(self.kappa, kept.known, self.settings, casr_unit=self._casr_unit)
+        by = {}
+        for i, name in enumerate(ALGORITHMS):
+            casr, new_casr = _padded([run.casr[name] for run in self.known]), self.new.casr[name]
+            notes = (*self._left_out_presses(casr, new_casr), *self._other_friction)
+            by[name] = AlgorithmResult(
+                casr=casr,
+                new_casr=new_casr,
+                casr_unit=self._casr_unit,
+                chosen=law_result(chosen, self.truth, i, notes),
+                paper=law_result(of_paper, self.truth, i),
+                left_out_rms={law: float(score[i]) for law, score in zip(laws.laws, laws.score, strict=True)},
+                best_law=laws.best(i) or "",
+                fused=None if fused is None else self._fused(fused, i),
+            )
+        return by
 
     def _kept(self, scores: Floats) -> Floats:
         return without_outliers(scores, self.settings.outlier_mads)
@@ -137,19 +148,17 @@ class OneCondition:
     def _most_outliers(presses: Floats) -> float:
         return MOST_OUTLIERS * np.count_nonzero(np.isfinite(presses))
 
-    def _by_area(self, algorithm: str, of_paper: bool, scatter: MountingScatter) -> Estimate:
-        return self.estimated(algorithm, self.scores(algorithm, of_paper), self._settings(of_paper), scatter)
-
     def estimated(
         self,
-        algorithm: str,
+        algorithms: Sequence[str],
         scores: Scores,
         settings: CalibrationSettings,
         scatter: MountingScatter,
         *,
         bootstrap: bool = True,
     ) -> Estimate:
-        """The new specimen by the spread rates of a vision algorithm, for every choice of presses."""
+        """The new specimen by K spread rates; algorithms : (K,) the vision algorithm of each."""
+        angles = [casr_angle_share(name, self.new.angle_deg, settings.angle_sd_deg) for name in algorithms]
         calibration = calibrate(
             self.kappa,
             scores.known,
@@ -157,8 +166,8 @@ class OneCondition:
             casr_unit=self._casr_unit,
             specimens=self._names,
             kappa_se=self.kappa_se,
-            specimen_share=specimen_share(algorithm),
-            angle_share=casr_angle_share(algorithm, self.new.angle_deg, settings.angle_sd_deg),
+            specimen_share=[specimen_share(name) for name in algorithms],
+            angle_share=angles,
             mountings=self._labels,
             scatter=scatter,
             other_exponent=casr_exponent(self._growth),
@@ -183,24 +192,21 @@ class OneCondition:
         return estimate(calibration, mm_per_n(self.new.indent_n_per_mm), self.new.mounting, known=self.truth)
 
     def _both(self, cutaneous: Estimate, scores: Floats, kinesthetic: Estimate) -> Fusion:
-        area, depth = (np.atleast_2d(each) for each in (scores, mm_per_n(self.new.indent_n_per_mm)))
+        depth = mm_per_n(self.new.indent_n_per_mm)[None]
         c, k = cutaneous.repeats, kinesthetic.repeats
-        return fuse(cutaneous.calibration, c, area, kinesthetic.calibration, k, depth, self.new.mounting)
+        return fuse(cutaneous.calibration, c, scores, kinesthetic.calibration, k, depth, self.new.mounting)
 
-    def _law(self, found: Estimate, notes: tuple[str, ...] = ()) -> LawResult:
-        return law_result(found, self.truth, notes=notes)
-
-    def _fused(self, fusion: Fusion) -> FusedResult:
+    def _fused(self, fusion: Fusion, i: int) -> FusedResult:
         return FusedResult(
-            kappa=float(fusion.kappa[0]),
-            low=float(fusion.low[0]),
-            high=float(fusion.high[0]),
-            error=float(fusion.kappa[0] / self.truth - 1),
-            weight=float(fusion.weight[0]),
-            correlation=float(fusion.correlation[0]),
-            chi2=float(fusion.chi2[0]),
-            p=float(fusion.p[0]),
-            notes=fusion.notes(),
+            kappa=float(fusion.kappa[i]),
+            low=float(fusion.low[i]),
+            high=float(fusion.high[i]),
+            error=float(fusion.kappa[i] / self.truth - 1),
+            weight=float(fusion.weight[i]),
+            correlation=float(fusion.correlation[i]),
+            chi2=float(fusion.chi2[i]),
+            p=float(fusion.p[i]),
+            notes=fusion.notes(i),
         )
 
     @cached_property

@@ -163,7 +163,7 @@ def _steps(calibration: Calibration, mean: Floats, of_scores: Floats, of_mountin
     kappa_step = calibration.kappa_se if known_exactly else by_kappa(calibration, mean) * calibration.kappa_se
     mounting_step = of_mountings * mounting.sd[:, None]
     angle_step = of_mountings * np.where(mounting.freedom > 0, 0.0, calibration.angle_share)[:, None]
-    specimen_step = of_scores * calibration.specimen_share
+    specimen_step = of_scores * calibration.specimen_share[:, None]
     law_step = by_exponent(calibration, mean)
     unseen = np.sum(kappa_step**2, axis=1) + law_step**2
     unseen += np.sum(angle_step**2 + mounting_step**2 + specimen_step**2, axis=1)

@@ -12,16 +12,15 @@ from emg2vsa.arrays import Floats
 from emg2vsa.calibration.by_pins import LEAST_SPECIMENS
 from emg2vsa.calibration.cut_presses import cut_all, cut_forces
 from emg2vsa.calibration.forms import growth_power
-from emg2vsa.calibration.one_condition import DEPTH, OneCondition, Way, law_result, padded_labels, pooled_scatter
+from emg2vsa.calibration.one_condition import WAYS, OneCondition, law_result, padded_labels, pooled_scatter
 from emg2vsa.calibration.online import OnlineCalibration
 from emg2vsa.calibration.online_pins import known_pins
 from emg2vsa.calibration.results import CalibrationResults, DesignByPins, Headline, LawResult
 from emg2vsa.errors import DataError
-from emg2vsa.run_scores import ALGORITHMS, RunScores
+from emg2vsa.run_scores import RunScores
 from emg2vsa.run_scores.domes import NO_DOMES, Domes
 from emg2vsa.settings import CalibrationSettings
 
-_WAYS: tuple[Way, ...] = (*((name, of_paper) for name in ALGORITHMS for of_paper in (False, True)), (DEPTH, False))
 _NO_NEW_SPECIMEN = "No stiffness was estimated: the study names no new_specimen under [profile]."
 
 
@@ -54,13 +53,13 @@ def calibrate_runs(
             do="Press it, or name another new specimen.",
         )
     conditions, notes = _conditions(runs, kappa, new_runs, settings, kappa_se or {})
-    scatters = {key: pooled_scatter([each.scores(*key) for each in conditions], settings) for key in _WAYS}
+    scatters = {way: pooled_scatter([each.scores(way) for each in conditions], settings) for way in WAYS}
     pins = {(each.angle_deg, each.condition): each for each in by_pins}
     results = []
     for i, each in enumerate(conditions):
         place = each.new.angle_deg, each.new.condition
         told = pins.get(place) or DesignByPins(*place, None, "its pins were not asked")
-        results.append(each.result({key: of[i] for key, of in scatters.items()}, told))
+        results.append(each.result({way: of[i] for way, of in scatters.items()}, told))
     return CalibrationResults(new_specimen, kappa.get(new_specimen, float("nan")), tuple(results), tuple(notes))
 
 
@@ -124,7 +123,7 @@ def chosen_laws(
     for name in algorithms if conditions and found else ():
         scores = [each.many_scores(name, which) for each in conditions]
         for each, own, scatter in zip(conditions, scores, pooled_scatter(scores, settings), strict=True):
-            by = each.estimated(name, own, settings, scatter, bootstrap=False)
+            by = each.estimated([name] * len(found), own, settings, scatter, bootstrap=False)
             for k, laws in enumerate(found):
                 laws.by[each.new.condition, each.new.angle_deg, name] = law_result(by, each.truth, k)
     return found
