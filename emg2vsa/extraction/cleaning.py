@@ -69,7 +69,7 @@ def cleaned(
     hum = _without_hum(replace(record, samples=gaps.samples), edges, rests, force_at, filters, window)
     moved = movement(gaps.samples, record.fs_hz, edges, rests)
     moved = [
-        spans[[np.mean(absent[first:last]) < HELD_SHARE for first, last in spans.tolist()]] if absent.any() else spans
+        spans[[np.mean(absent[first:last]) < HELD_SHARE for first, last in spans.tolist()]] if len(spans) else spans
         for spans, absent in zip(moved, record.missing, strict=True)
     ]  # a line over a gap that is known is no movement
     unheard_s = _unheard_s(record, force_missing, presses, emg_clock, force_clock, window)

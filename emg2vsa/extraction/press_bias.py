@@ -43,7 +43,7 @@ def of_hum(record: EmgRecord, clean: Cleaned, levels_v: Floats, force_n: Floats,
         yield left_in("hum at the touch", *floor_change(levels_v, stays_v, force_n, instants.offsets))
     size = max(1, round(record.fs_hz / min(MAINS_HZ)))
     taken_v = np.zeros_like(levels_v)
-    begin = np.maximum(instants.samples() - size // 2, 0)
+    begin = np.maximum(instants.samples - size // 2, 0)
     for row, own, one in zip(taken_v, record.samples, clean.record.samples, strict=True):
         for at, of in zip(by_press(begin, instants.offsets), by_press(row, instants.offsets), strict=True):
             if own is not one and at.size:

@@ -100,8 +100,8 @@ def press_envelopes(
     undisturbed_v, resting_v = chain.envelopes(record, times.instants, times.resting)
     reach = chain.envelope.before, chain.envelope.after
     gone: dict[Cause, NDArray[np.bool_]] = {
-        "contact artefact": left_out(clean.moved, times.instants.samples(), *reach),
-        "lost samples": left_out(clean.gaps.lost, times.instants.samples(), *reach),
+        "contact artefact": left_out(clean.moved, times.instants.samples, *reach),
+        "lost samples": left_out(clean.gaps.lost, times.instants.samples, *reach),
     }
     disturbed_v = _disturbed(raw, clean, chain, times, undisturbed_v)
     measured_v = bridged(undisturbed_v, np.any([*gone.values()], axis=0), offsets)

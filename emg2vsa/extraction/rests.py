@@ -26,7 +26,11 @@ def rests_heard(rest: Rest, start_s: float, fs_hz: float, record: EmgRecord) -> 
     ends = (np.stack((rest.start, rest.stop), axis=-1) / fs_hz + start_s - record.start_s) * record.fs_hz
     missed = [
         max(
-            (np.mean(gone[begin:end]) if begin < gone.size else 1.0 for gone in record.missing if end > begin),
+            (
+                np.count_nonzero(part := gone[begin:end]) / part.size if begin < gone.size else 1.0
+                for gone in record.missing
+                if end > begin
+            ),
             default=0.0,
         )
         for begin, end in np.maximum(np.rint(ends), 0).astype(np.int64).tolist()

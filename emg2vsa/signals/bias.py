@@ -65,7 +65,7 @@ class BiasBudget:
     @staticmethod
     def of(shifts: Sequence[Shift], n_presses: int) -> BiasBudget:
         """The sum of the shifts of each cause; what is not known (NaN) counts as none."""
-        seen = [one for one in shifts if any(np.any(np.nan_to_num(each)) for each in one[1:])]
+        seen = [one for one in shifts if any(np.any((each != 0) & ~np.isnan(each)) for each in one[1:])]
         causes = tuple(cause for cause in CAUSES if any(one.cause == cause for one in seen))
         rows = np.zeros((4, len(causes), n_presses))
         for one in seen:
@@ -143,7 +143,7 @@ def _line(x: Floats, y: Floats, weights: Floats, offsets: Ints) -> tuple[Floats,
 
 def means(values: Floats, offsets: Ints) -> Floats:
     """Means (..., p) of the rows (..., N) between successive offsets; NaN where empty."""
-    counts = np.diff(offsets)
+    counts = offsets[1:] - offsets[:-1]
     if counts.all() and counts.size:
         return np.asarray(np.add.reduceat(values, offsets[:-1], axis=-1) / counts)
     with np.errstate(invalid="ignore"):

@@ -92,9 +92,14 @@ def bridge(samples: Sequence[Floats], missing: Sequence[NDArray[np.bool_]], fs_h
 
 def _held(x: Floats, longest: int) -> Ints:
     """Which of the samples (n,) belong to a run of one value, or on one line, that is longer."""
-    straight = np.abs(np.diff(x, 2)) <= STRAIGHT * float(np.ptp(x)) if x.size > longest else np.empty(0, np.bool_)
-    if np.count_nonzero(straight) < longest - 1:
+    if x.size <= longest:
+        return np.empty(0, np.int64)
+    steps = x[1:] - x[:-1]
+    straight = np.abs(steps[1:] - steps[:-1]) <= STRAIGHT * float(x.max() - x.min())
+    # most runs are short: a converter's steps repeat by chance
+    at, beyond = np.flatnonzero(straight), longest - 2
+    if not np.any(at[beyond:] - at[: max(at.size - beyond, 0)] == beyond):
         return np.empty(0, np.int64)
     first, last = runs_of(straight)
     long = last - first >= longest - 1
-    return np.concatenate([np.empty(0, np.int64), *map(np.arange, first[long], last[long] + 2)])
+    return np.concatenate([*map(np.arange, first[long], last[long] + 2)])

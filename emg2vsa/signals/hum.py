@@ -48,7 +48,9 @@ def sine_phasors(channels: Sequence[Floats], pieces: Sequence[tuple[int, int]], 
                 np.multiply(hann_of_sines(end - begin), samples[begin:end], out=row[i, : end - begin])
         halves = padded.reshape(-1, n_blocks, 2, BLOCK // 2)
         before, after = halves[:, :, 0, ::-1], halves[:, :, 1]
-        of_block = times(after + before, even) - 1j * times(after - before, odd)
+        of_block = np.empty((len(halves), n_blocks, hz.size), dtype=np.complex128)
+        of_block.real = times(after + before, even)
+        np.negative(times(after - before, odd), out=of_block.imag)
         found[:, part] = np.einsum("mbh,bh->mh", of_block, turns).reshape(found[:, part].shape)
     return found
 

@@ -256,13 +256,14 @@ def _rising(u: Floats) -> NDArray[np.bool_]:
     changes = np.ones(u.size, dtype=np.bool_)  # within a run of one value nothing happens
     changes[1:-1] = (u[1:-1] != u[:-2]) | (u[1:-1] != u[2:])
     up, extreme, first, last, begin = True, float(u[0]), 0, 0, 0
+    least, most = TURN / 100, TURN
     for k, value in zip(np.flatnonzero(changes).tolist(), u[changes].tolist(), strict=True):
         beyond = value - extreme if up else extreme - value
-        if beyond > TURN / 100:
+        if beyond > least:
             extreme, first, last = value, k, k
-        elif beyond > -TURN / 100:
+        elif beyond > -least:
             last = k
-        elif beyond < -TURN:
+        elif beyond < -most:
             turn = (first + last) // 2
             rising[begin:turn] = up
             up, extreme, first, last, begin = not up, value, k, k, turn
@@ -303,7 +304,8 @@ def _rectified(samples: Floats, begin: int, end: int, half: int, centre: float) 
     their mean, which costs digits."""
     low, high = max(begin - half, 0), min(end + half, samples.size)
     around = samples[low:high] - centre
-    sums = np.concatenate(([0.0], np.cumsum(around)))
+    sums = np.zeros(around.size + 1)
+    np.cumsum(around, out=sums[1:])
     # where both sides are whole, else one by one
     first = min(max(begin, half), end)
     last = max(min(end, samples.size - half), first)
@@ -350,12 +352,13 @@ def _scatter(y: Floats, level: Ints, heard: Floats, coarse: int) -> tuple[Floats
     lags = coarse + np.arange(-FINE_STEPS, FINE_STEPS + 1)
     begin, end = max(0, -int(lags[0])), y.size - max(0, int(lags[-1]))
     own_y, own_heard = y[begin:end], heard[begin:end]
-    rows = []
-    for lag in lags.tolist():
+    heard_y, rows = own_heard * own_y, np.empty((lags.size, end - begin))
+    for row, lag in zip(rows, lags.tolist(), strict=True):
         own = level[begin + lag : end + lag]
-        mean = np.bincount(own, own_heard * own_y) / np.maximum(np.bincount(own, own_heard), 1)
-        rows.append(own_heard * (own_y - mean[own]) ** 2)
-    return np.array(rows), begin
+        mean = np.bincount(own, heard_y) / np.maximum(np.bincount(own, own_heard), 1)
+        np.square(np.subtract(own_y, mean[own], out=row), out=row)
+        row *= own_heard
+    return rows, begin
 
 
 def _parabolas(scatter: Floats) -> tuple[Floats, Floats]:

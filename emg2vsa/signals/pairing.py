@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,7 +46,7 @@ class Instants:
     step: int
     covered: NDArray[np.bool_]
 
-    @property
+    @cached_property
     def offsets(self) -> Ints:
         """(w + 1,): window i holds the instants [offsets[i], offsets[i + 1]) of all."""
         return np.asarray(np.concatenate((np.zeros(1, np.int64), np.cumsum(self.counts))), dtype=np.int64)
@@ -55,6 +56,7 @@ class Instants:
         """(w,) last sample of each window; the first where it has none."""
         return np.asarray(self.first + self.step * np.maximum(self.counts - 1, 0), dtype=np.int64)
 
+    @cached_property
     def samples(self) -> Ints:
         """Indices (N,) of all windows, one after the other."""
         within = np.arange(int(self.counts.sum())) - np.repeat(self.offsets[:-1], self.counts)
@@ -79,7 +81,7 @@ def instants_between(start_s: Floats, stop_s: Floats, emg: Clock, force: Clock, 
 
 def force_at(force_n: Floats, instants: Instants, emg: Clock, force: Clock) -> Floats:
     """Force (N,) at the instants, from its own samples (n,)."""
-    position = force.index(emg.time_s(instants.samples()))
+    position = force.index(emg.time_s(instants.samples))
     return _cubic_at(force_n, np.clip(position, 0, force.n_samples - 1))
 
 

@@ -117,13 +117,13 @@ def plausibility(signals: Signals) -> Plausibility:
         *(said for muscle, said in repeated_of(signals, stored, alike) if muscle not in coarse),
         *(said for muscle, said in _deaf(signals) if muscle not in explained and abs(signals.lag_s) < LARGE_LAG_S),
     )  # fmt: skip
-    of_press: list[tuple[str, ...]] = []
+    of_press = [list(own.values()) for own in spikes]
     spans: list[tuple[int, int]] = []
-    for press, own in enumerate(spikes):
-        bursts = [(said, span) for muscle, said, span in bursts_of(signals, profiles, press) if muscle not in explained]
-        spans += [span for _, span in bursts]
-        of_press.append((*own.values(), *(said for said, _ in bursts)))
-    return Plausibility("", remarks, tuple(of_press), tuple(spans), rails)
+    for number, (muscle, profile) in enumerate(zip(signals.muscles, profiles, strict=True)):
+        for press, said, span in bursts_of(signals, number, profile) if muscle not in explained else ():
+            of_press[press].append(said)
+            spans.append(span)
+    return Plausibility("", remarks, tuple(map(tuple, of_press)), tuple(spans), rails)
 
 
 def _coarse(signals: Signals, stored: Sequence[Sequence[Floats]]) -> Iterator[tuple[str, str]]:

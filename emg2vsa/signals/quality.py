@@ -65,10 +65,12 @@ def _quality(samples: Floats, missing: NDArray[np.bool_], mains: float) -> RawQu
     length = last - first + 1
     value = samples[first]
     at_extreme = (value == samples.max()) | (value == samples.min())
-    elsewhere = length[~at_extreme]
-    # a channel that repeats its samples everywhere also repeats its single largest one
-    usual = int(elsewhere.max()) if elsewhere.sum() > REPEATING * samples.size else 1
-    n_clipped = int(np.sum(length[at_extreme & (length > usual)]))
+    n_clipped = 0
+    if at_extreme.any():
+        elsewhere = length[~at_extreme]
+        # a channel that repeats its samples everywhere also repeats its single largest one
+        usual = int(elsewhere.max()) if elsewhere.sum() > REPEATING * samples.size else 1
+        n_clipped = int(np.sum(length[at_extreme & (length > usual)]))
     clipped = n_clipped / samples.size if n_clipped > PEAK_SAMPLES else 0.0
     return RawQuality(clipped, n_repeats / repeats.size, int(length.max()), False, mains, n_missing)
 
@@ -137,6 +139,8 @@ def ratio_db(level: Floats, reference: Floats) -> Floats:
 
 def window_means(values: Floats, offsets: Ints) -> Floats:
     """Means (m, w) of the ragged rows of ``values`` (m, n) between successive ``offsets`` (w + 1,); NaN where empty."""
-    total = np.concatenate((np.zeros((len(values), 1)), np.cumsum(values, axis=1)), axis=1)
+    total = np.zeros((len(values), values.shape[1] + 1))
+    np.cumsum(values, axis=1, out=total[:, 1:])
+    edges = total[:, offsets]
     with np.errstate(invalid="ignore"):
-        return np.asarray(np.diff(total[:, offsets], axis=1) / np.diff(offsets))
+        return np.asarray((edges[:, 1:] - edges[:, :-1]) / (offsets[1:] - offsets[:-1]))

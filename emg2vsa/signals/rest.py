@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,8 +31,17 @@ class Baseline:
     knots_n: Floats
 
     def at(self, time_s: Floats) -> Floats:
-        """Rest force (n,), N, at times (n,), s from the first sample."""
-        return np.asarray(np.interp(time_s, self.knots_s, self.knots_n), dtype=np.float64)
+        """Rest force (n,), N, at ascending times (n,), s from the first sample."""
+        edges = np.searchsorted(time_s, self.knots_s).tolist()
+        force_n = np.empty(time_s.size)
+        force_n[: edges[0]], force_n[edges[-1] :] = self.knots_n[0], self.knots_n[-1]
+        slopes = (self.knots_n[1:] - self.knots_n[:-1]) / (self.knots_s[1:] - self.knots_s[:-1])
+        for knot, slope in enumerate(slopes.tolist()):
+            between = slice(edges[knot], edges[knot + 1])
+            own = np.subtract(time_s[between], self.knots_s[knot], out=force_n[between])
+            own *= slope
+            own += self.knots_n[knot]
+        return force_n
 
 
 @dataclass(frozen=True)
@@ -85,27 +95,29 @@ def _lulls(block_n: Floats, largest_step_n: float, rise_n: float, fall_n: float)
     for shift in range(MIN_BLOCKS):
         still[shift : shift + level.size] |= level
     starts, stops = runs_of(still)
-    lulls: list[tuple[int, int]] = []
+    blocks_n, lulls, levels_n = block_n.tolist(), list[tuple[int, int]](), list[float]()
     for start, stop in zip(starts.tolist(), stops.tolist(), strict=True):
         # the ends of a rest hold the first touch and the last release; at the ends of the record there is none
         inner = start + (start > 0), stop - (stop < block_n.size)
         at_n = median(block_n[slice(*inner)])
-        if _rises(block_n[stop:] - at_n, rise_n, fall_n) and _rises(block_n[:start][::-1] - at_n, rise_n, fall_n):
-            if lulls and np.max(block_n[lulls[-1][1] : start]) < max(at_n, median(block_n[slice(*lulls[-1])])) + rise_n:
+        sides = range(stop, block_n.size), range(start - 1, -1, -1)
+        if all(_rises((blocks_n[i] - at_n for i in side), rise_n, fall_n) for side in sides):
+            if lulls and max(blocks_n[lulls[-1][1] : start]) < max(at_n, levels_n[-1]) + rise_n:
                 # the same lull, at two levels: at the higher one the hand leans on the specimen
-                if at_n < median(block_n[slice(*lulls[-1])]):
-                    lulls[-1] = inner
+                if at_n < levels_n[-1]:
+                    lulls[-1], levels_n[-1] = inner, at_n
                 continue
             lulls.append(inner)
+            levels_n.append(at_n)
     return np.array(lulls, dtype=np.int64).reshape(-1, 2)
 
 
-def _rises(above_n: Floats, rise_n: float, fall_n: float) -> bool:
+def _rises(above_n: Iterable[float], rise_n: float, fall_n: float) -> bool:
     """Whether the blocks, from a rest on, do not fall by ``fall_n`` before they rise by ``rise_n``."""
-    fallen = above_n < -fall_n
-    if not fallen.any():
-        return True
-    return bool(np.any(above_n[: int(np.argmax(fallen))] > rise_n))
+    for block_n in above_n:
+        if block_n > rise_n or block_n < -fall_n:
+            return block_n > rise_n
+    return True
 
 
 def _rest(samples: Ints, block_n: Floats, runs: Ints, force_n: Floats, fs_hz: float) -> Rest:

@@ -6,6 +6,7 @@ Each says which muscle shows it and how much. Limits were set on simulated misha
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -56,31 +57,31 @@ class Profile:
         return profiles
 
 
-def bursts_of(signals: Signals, profiles: Sequence[Profile], press: int) -> Iterator[tuple[str, str, tuple[int, int]]]:
-    """Muscle, what is said, and first and last-plus-one sample of its envelope."""
-    cut = slice(signals.offsets[press], signals.offsets[press + 1])
+def bursts_of(signals: Signals, muscle: int, profile: Profile) -> Iterator[tuple[int, str, tuple[int, int]]]:
+    """Of one muscle: press, what is said, and first and last-plus-one sample of its envelope."""
     size = max(1, round(BURST_S * signals.envelope_fs_hz))
-    if len(signals.offsets) < 4 or cut.stop - cut.start < 2 * size:
+    known = np.isfinite(profile.typical_v) & (profile.typical_v > 0)
+    if len(signals.offsets) < 4 or np.count_nonzero(known) < 4:
         return
-    force = np.log(np.maximum(signals.force_n[cut], 1e-3))
-    for muscle, row, profile in zip(signals.muscles, signals.envelopes_v, profiles, strict=True):
-        known = np.isfinite(profile.typical_v) & (profile.typical_v > 0)
-        if np.count_nonzero(known) < 4:
+    ln_force, typical_v, row = profile.ln_force[known], profile.typical_v[known], signals.envelopes_v[muscle]
+    usual_v = np.interp(np.log(np.maximum(signals.force_n, 1e-3)), ln_force, typical_v)
+    shares = profile.v[:, known] / typical_v
+    total = np.zeros(row.size + 1)
+    for press, (first, last) in enumerate(itertools.pairwise(signals.offsets.tolist())):
+        own = shares[press][np.isfinite(shares[press])]
+        if last - first < 2 * size or own.size == 0 or (louder := median(own)) <= 0:
             continue
-        own = profile.v[press, known] / profile.typical_v[known]
-        own = own[np.isfinite(own)]
-        if own.size == 0 or median(own) <= 0:
-            continue
-        expected = np.interp(force, profile.ln_force[known], profile.typical_v[known]) * median(own)
-        total = np.cumsum(np.concatenate(([0.0], row[cut])))
-        ratio = (total[size:] - total[:-size]) / size / expected[size // 2 :][: total.size - size]
+        sums = total[: last - first + 1]
+        np.cumsum(row[first:last], out=sums[1:])
+        expected_v = usual_v[first + size // 2 : last][: sums.size - size] * louder
+        ratio = (sums[size:] - sums[:-size]) / size / expected_v
         top = int(np.argmax(ratio))
         if ratio[top] > BURST:
             usual = np.flatnonzero(ratio < BURST_EDGE)
             begin = int(usual[usual < top].max(initial=-1)) + 1 + size // 2
             end = int(usual[usual > top].min(initial=ratio.size)) + size // 2
-            span = (cut.start if begin == size // 2 else cut.start + begin, min(cut.start + end, cut.stop))
-            yield muscle, f"{muscle} has a burst of {ratio[top]:.1f} times its level", span
+            span = (first if begin == size // 2 else first + begin, min(first + end, last))
+            yield press, f"{signals.muscles[muscle]} has a burst of {ratio[top]:.1f} times its level", span
 
 
 def spikes_in(x: Floats, first: int, last: int) -> Ints:
@@ -88,7 +89,9 @@ def spikes_in(x: Floats, first: int, last: int) -> Ints:
     press = x[first:last]
     if press.size < 50:
         return np.empty(0, np.int64)
-    bend = np.abs(x[1:-1] - (x[2:] + x[:-2]) / 2)
+    bend = x[2:] + x[:-2]
+    bend /= 2
+    np.abs(np.subtract(x[1:-1], bend, out=bend), out=bend)
     top, own = float(bend.max()), bend[first : last - 2]
     # where most are above that, so is their median, which costs more
     if 2 * np.count_nonzero(own >= 0.6745 / SPIKE_SD * top) > own.size:
