@@ -95,7 +95,7 @@ def group_tests(values: ArrayLike, confidence: float = 0.95) -> GroupTests:
     low, high = share_interval(anova.f, anova.df1, anova.df2, n, confidence)
     groups = group_moments(values)
     with np.errstate(divide="ignore", invalid="ignore"):
-        sd = np.sqrt(np.where(groups.count > 1, groups.squares / (groups.count - 1), np.nan))
+        sd = np.sqrt(np.where(groups.counts > 1, groups.squares / (groups.counts - 1), np.nan))
     return GroupTests(
         anova=anova,
         omega2=omega2(anova.f, anova.df1, n),

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints, sums_of
+from emg2vsa.arrays import Floats, Ints, sums_of, uniform
 from emg2vsa.shown import shown
-from emg2vsa.statistics.moments import GroupMoments, group_moments
+from emg2vsa.statistics.moments import GroupMoments, group_moments, unguarded_moments
 from emg2vsa.statistics.outcome import Outcome, Outcomes
 
 
@@ -69,21 +69,23 @@ def one_way(values: ArrayLike) -> Anova:
     cannot do for numbers like 1000000000000.4. Values all equal give F = NaN; groups constant but different give
     F = inf and p = 0. DataError for another shape.
     """
-    groups = group_moments(values)
-    count, offset, each, (d, k) = groups.count, groups.offset, groups.each, groups.count.shape
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+        groups = unguarded_moments(values)
+        count, offset, each, (d, k) = groups.counts, groups.offset, groups.each, groups.counts.shape
         if each:
-            df1, df2 = np.full(d, k - 1), np.full(d, k * each - k)
+            free1, free2 = k - 1, k * each - k
+            df1, df2 = uniform(d, free1), uniform(d, free2)
             about = offset - (sums_of(offset) / k)[:, None]
             ss_between = each * np.vecdot(about, about)
         else:
             n, df1 = count.sum(axis=1), np.count_nonzero(count, axis=1) - 1
             df2 = n - df1 - 1
+            free1, free2 = df1, df2
             about = offset - (np.vecdot(count, offset) / n)[:, None]
             ss_between = np.vecdot(count, about * about)
         ss_within = sums_of(groups.squares)
-        ms_within = ss_within / df2  # 0 / 0 where no group has two values
-        f = ss_between / df1 / ms_within
+        ms_within = ss_within / free2  # 0 / 0 where no group has two values
+        f = ss_between / free1 / ms_within
         eta2 = ss_between / (ss_between + ss_within)
     offset = groups.to_data(offset)
     if k < 2 or not each:
@@ -106,7 +108,7 @@ def welch(values: ArrayLike) -> Outcomes:
         k = np.count_nonzero(used, axis=1)
         grand = np.sum(weight * groups.offset, axis=1) / total
         between = np.sum(weight * (groups.offset - grand[:, None]) ** 2, axis=1) / (k - 1)
-        spare = np.where(used, (1 - weight / total[:, None]) ** 2 / (groups.count - 1), 0.0)
+        spare = np.where(used, (1 - weight / total[:, None]) ** 2 / (groups.counts - 1), 0.0)
         lack = np.sum(spare, axis=1)
         f = between / (1 + 2 * (k - 2) * lack / (k**2 - 1))
         df2 = (k**2 - 1) / (3 * lack)
@@ -118,16 +120,16 @@ def welch(values: ArrayLike) -> Outcomes:
         statistic=f,
         df=(df1, df2),
         p=np.asarray(special.fdtrc(df1, df2, f), dtype=np.float64),
-        n=np.sum(np.where(used, groups.count, 0), axis=1),
+        n=np.sum(np.where(used, groups.counts, 0), axis=1),
         notes=(("undefined: needs two groups of two or more values that are not all equal", np.isnan(f)),),
     )
 
 
 def variance_of_means(groups: GroupMoments) -> tuple[np.ndarray, Floats]:
     """Which groups (d, k) have two or more values, and the squared standard errors of their means, scaled unit."""
-    used = groups.count > 1
+    used = groups.counts > 1
     with np.errstate(divide="ignore", invalid="ignore"):
-        return used, np.where(used, groups.squares / (groups.count - 1) / groups.count, np.nan)
+        return used, np.where(used, groups.squares / (groups.counts - 1) / groups.counts, np.nan)
 
 
 def brown_forsythe(values: ArrayLike) -> Outcomes:
@@ -139,7 +141,7 @@ def brown_forsythe(values: ArrayLike) -> Outcomes:
     groups = group_moments(values)
     deviation = groups.deviation - _medians(groups.deviation, groups.valid)[..., None]
     anova = one_way(np.where(groups.valid, np.abs(deviation), np.nan))
-    most = np.max(groups.count, axis=1, initial=0)
+    most = np.max(groups.counts, axis=1, initial=0)
     f, p = (np.where(most > 2, each, np.nan) for each in (anova.f, anova.p))
     several = anova.df1 > 0
     undefined = several & (most > 1) & np.isnan(f)
@@ -150,7 +152,7 @@ def brown_forsythe(values: ArrayLike) -> Outcomes:
         statistic=f,
         df=(anova.df1, anova.df2),
         p=p,
-        n=np.sum(groups.count, axis=1),
+        n=np.sum(groups.counts, axis=1),
         notes=(
             *((f"undefined: {k} group(s) with values", anova.df1 == k - 1) for k in (0, 1)),
             ("undefined: no group has three values", undefined & (most == 2)),

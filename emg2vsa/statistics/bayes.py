@@ -58,10 +58,10 @@ def jzs_anova(values: ArrayLike) -> BayesFactors:
     differ give BF01 = 0. DataError for another shape.
     """
     groups = group_moments(values)
-    total = np.sum(groups.count, axis=1)
+    total = np.sum(groups.counts, axis=1)
     along = _directions(groups, total)
     within = np.sum(groups.squares, axis=1)
-    k = np.count_nonzero(groups.count, axis=1)
+    k = np.count_nonzero(groups.counts, axis=1)
     squares = np.where((k > 1) & (total > k), within + np.sum(along.squares, axis=1), np.nan)
     squares[squares == 0] = np.nan
     return BayesFactors(_log_bf01(within / squares, along.squares / squares[:, None], along, total - 1.0), total)
@@ -83,12 +83,12 @@ def _directions(groups: GroupMoments, total: Ints) -> _Directions:
     Directions among groups of equally many values are alike, with this number as their information, and stand at right
     angles to all others: so only sums over such groups are left to take apart, of which there are few.
     """
-    sizes = np.unique(groups.count[groups.count > 0])
-    member = (groups.count[:, :, None] == sizes).astype(np.float64)
+    sizes = np.unique(groups.counts[groups.counts > 0])
+    member = (groups.counts[:, :, None] == sizes).astype(np.float64)
     alike = np.sum(member, axis=1)
     k, n = np.maximum(np.sum(alike, axis=1), 1.0)[:, None, None], np.maximum(total, 1)[:, None, None]
-    grand = np.sum(groups.count * groups.offset, axis=1)[:, None] / n[:, 0]
-    deviation = np.where(groups.count > 0, groups.offset - grand, 0.0)
+    grand = np.sum(groups.counts * groups.offset, axis=1)[:, None] / n[:, 0]
+    deviation = np.where(groups.counts > 0, groups.offset - grand, 0.0)
     mean = _row_times(deviation, member) / np.maximum(alike, 1.0)
     among = sizes * _row_times((deviation - _times_column(member, mean)) ** 2, member)
 

@@ -76,14 +76,14 @@ def tost(values: ArrayLike, margin: float, unit: MarginUnit = "data", alpha: flo
     DataError for another shape.
     """
     groups = group_moments(values)
-    return _decide(groups, *pair_numbers(groups.count.shape[1]), margin, unit, alpha)
+    return _decide(groups, *pair_numbers(groups.counts.shape[1]), margin, unit, alpha)
 
 
 def tost_in_parts(values: ArrayLike, margin: float, unit: MarginUnit, alpha: float) -> Iterator[Equivalence]:
     """``tost``, the pairs of each first group at a time: of many groups all would fill memory. SettingError as
     there."""
     groups = group_moments(values)
-    k = groups.count.shape[1]
+    k = groups.counts.shape[1]
     check_two_groups(k)
     for first in range(k - 1):
         second = np.arange(first + 1, k)
@@ -99,7 +99,7 @@ def _decide(
     if not 0 < alpha < 0.5:
         where, do = "equivalence, alpha", "Give such a level."
         raise SettingError(where, wanted="a level between 0 and 1/2", found=str(alpha), do=do)
-    n1, n2 = groups.count[:, first], groups.count[:, second]
+    n1, n2 = groups.counts[:, first], groups.counts[:, second]
     both = (n1 > 0) & (n2 > 0)
     df = np.where(both & (n1 + n2 > 2), n1 + n2 - 2.0, np.nan)
     with np.errstate(divide="ignore", invalid="ignore"):

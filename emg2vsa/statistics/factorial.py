@@ -57,7 +57,7 @@ def factorial(values: ArrayLike, factors: Mapping[str, Sequence[object]], confid
     codes, sizes = _codes(factors, there)
     cell, where = np.unique(np.ravel_multi_index(tuple(codes), tuple(sizes)), return_inverse=True)
     groups = group_moments(_by_cell(y[there], where, cell.size)[None])
-    count, mean = groups.count[0].astype(np.float64), groups.offset[0]
+    count, mean = groups.counts[0].astype(np.float64), groups.offset[0]
     levels = np.unravel_index(cell, tuple(sizes))
     coded = [_coding(level, size) for level, size in zip(levels, sizes, strict=True)]
     terms = [term for k in range(1, len(sizes) + 1) for term in combinations(range(len(sizes)), k)]

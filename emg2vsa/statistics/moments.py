@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from emg2vsa.arrays import Floats, Ints, exponent_of, unmasked
+from emg2vsa.arrays import Floats, Ints, exponent_of, uniform, unmasked
 from emg2vsa.errors import DataError
 
 _ROUNDING = 8 * np.finfo(np.float64).eps
@@ -18,29 +17,29 @@ _LEAST = 1e-180  # sums of squares between this and its inverse are those that s
 _LONGEST = 10_000  # of longer groups BLAS shares one among threads, and its last bit shows it
 
 
-@dataclass(frozen=True)
-class GroupMoments:
+class GroupMoments(NamedTuple):
     """d designs of up to k groups of up to n values. Numbers are in units of 2^unit of the data, per design.
 
-    count (d, k). offset (d, k): means relative to the first value of the design, 0 for an empty group. squares (d, k):
+    counts (d, k). offset (d, k): means relative to the first value of the design, 0 for an empty group. squares (d, k):
     sums of squared deviations from the group's mean. deviation (d, k, n): those deviations, 0 where there is no value,
-    valid (d, k, n): where there is one. unit (d,): binary exponents. mean (d, k): in the data's unit, NaN where empty.
+    valid (d, k, n): where there is one. unit (d,): binary exponents, None where all are 0. mean (d, k): in the data's
+    unit, NaN where empty.
     each : the number of values of a group where all have the same, else 0.
     """
 
-    count: Ints
+    counts: Ints
     offset: Floats
     squares: Floats
     deviation: Floats
     valid: NDArray[np.bool_]
-    unit: NDArray[np.int32]
+    unit: NDArray[np.int32] | None
     mean: Floats
     each: int
 
     def to_data(self, scaled: Floats) -> Floats:
         """Numbers (d, ...) of the first power of the data, back in the data's own unit: a scalar or more of each
         design."""
-        if not np.count_nonzero(self.unit):
+        if self.unit is None:
             return scaled
         return np.asarray(np.ldexp(scaled, self.unit.reshape(-1, *(1,) * (scaled.ndim - 1))))
 
@@ -52,30 +51,40 @@ def group_moments(values: ArrayLike) -> GroupMoments:
     arithmetic on the same doubles gives for all of NIST's ANOVA sets (benchmarks/nist.py). Decimal, Fraction and int
     objects are accepted (None: no value); their differences are taken exactly. DataError for another shape.
     """
+    with np.errstate(invalid="ignore", over="ignore"):
+        return unguarded_moments(values)
+
+
+def unguarded_moments(values: ArrayLike) -> GroupMoments:
+    """The same for a caller who has silenced the warnings of invalid numbers and of overflow."""
     doubles, origin = _shifted(values)
     return _of_whole_groups(doubles, origin) or _of_groups(finite_or_nan(doubles), origin)
 
 
-def _of_whole_groups(doubles: Floats, origin: Floats) -> GroupMoments | None:
+def _of_whole_groups(doubles: Floats, origin: Floats | None) -> GroupMoments | None:
     """Of designs without a gap and in no need of a unit; None where a group has no spread, too, or one value."""
     d, k, n = doubles.shape
     if n > _LONGEST:
         return None
-    with np.errstate(invalid="ignore", over="ignore"):
-        start = doubles[..., :1]
-        shifted = doubles - start
-        inner = np.einsum("ijk->ij", shifted)[..., None] / n
-        deviation = np.subtract(shifted, inner, out=shifted)
-        squares = np.vecdot(deviation, deviation)
-        if np.count_nonzero((squares > _LEAST) & (squares < 1 / _LEAST)) < d * k:
-            return None
-        offset = (start - start[:, :1] + inner)[..., 0]
-    mean = doubles[:, 0, :1] + offset + origin[:, None]
-    count, valid = np.full((d, k), n), np.ones(doubles.shape, dtype=np.bool_)
-    return GroupMoments(count, offset, squares, deviation, valid, np.zeros(d, dtype=np.int32), mean, n)
+    start = doubles[..., 0]
+    deviation = doubles - start[..., None]
+    inner = np.einsum("ijk->ij", deviation)
+    inner /= n
+    deviation -= inner[..., None]
+    squares = np.vecdot(deviation, deviation)
+    if np.count_nonzero((squares > _LEAST) & (squares < 1 / _LEAST)) < d * k:
+        return None
+    first = start[:, :1]
+    offset = start - first
+    offset += inner
+    mean = first + offset
+    if origin is not None:
+        mean += origin[:, None]
+    valid = uniform(doubles.shape, True)
+    return GroupMoments(uniform((d, k), n), offset, squares, deviation, valid, None, mean, n)
 
 
-def _of_groups(doubles: Floats, origin: Floats) -> GroupMoments:
+def _of_groups(doubles: Floats, origin: Floats | None) -> GroupMoments:
     valid = np.isfinite(doubles)
     count = valid.sum(axis=2)
     filled = np.where(valid, doubles, 0.0)
@@ -90,13 +99,13 @@ def _of_groups(doubles: Floats, origin: Floats) -> GroupMoments:
     design_start = start[design, (count > 0).argmax(axis=1)[:, None]]
     offset = np.where(count > 0, start - design_start + inner, 0.0)
     at = np.ldexp(np.where(count > 0, design_start + offset, np.nan), unit[:, None])
-    squares, mean = (deviation**2).sum(axis=2), origin[:, None] + at
+    squares, mean = (deviation**2).sum(axis=2), (0.0 if origin is None else origin[:, None]) + at
     return GroupMoments(count, offset, squares, deviation, valid, unit, mean, common_count(count))
 
 
 def common_count(count: Ints) -> int:
     """The number of values of a group (d, k) where all have the same, else 0."""
-    each = int(count.flat[0]) if count.size else 0
+    each = int(count.item(0)) if count.size else 0
     return each if np.count_nonzero(count == each) == count.size else 0
 
 
@@ -108,24 +117,25 @@ def shifted_doubles(values: ArrayLike) -> tuple[Floats, Floats]:
     is infinite or not a number.
     """
     doubles, origin = _shifted(values)
-    return finite_or_nan(doubles), origin
+    return finite_or_nan(doubles), np.zeros(len(doubles)) if origin is None else origin
 
 
-def _shifted(values: ArrayLike) -> tuple[Floats, Floats]:
-    """The same, what is infinite not yet refused."""
+def _shifted(values: ArrayLike) -> tuple[Floats, Floats | None]:
+    """The same, what is infinite not yet refused, and no origin of float64 input."""
     try:
         array = np.asarray(unmasked(values))
-        if array.dtype.kind == "c":
+        kind = array.dtype.kind
+        if kind == "c":
             raise TypeError("complex numbers")
-        doubles = array if array.dtype == object else np.asarray(array, dtype=np.float64)
+        doubles = array if kind == "O" else np.asarray(array, dtype=np.float64)
     except (ValueError, TypeError) as error:
         raise _not_a_design(str(error)) from error
     if doubles.ndim == 2:
         doubles = doubles[None]
     if doubles.ndim != 3 or 0 in doubles.shape[1:]:
         raise _not_a_design(f"shape {array.shape}")
-    if doubles.dtype != object:
-        return doubles, np.zeros(len(doubles))
+    if kind != "O":
+        return doubles, None
     pairs = [_shift_design(list(design.flat)) for design in doubles]
     return np.array([row for row, _ in pairs]).reshape(doubles.shape), np.array([origin for _, origin in pairs])
 

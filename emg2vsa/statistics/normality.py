@@ -62,7 +62,7 @@ def ks_normal(values: ArrayLike, *, standardise: bool) -> Outcomes:
 def largest_gap(values: ArrayLike, *, standardise: bool) -> tuple[Floats, Ints]:
     """D (k,) of ``ks_normal`` alone, and the values (k,) that entered. The statistic of Kolmogorov (1933)."""
     rows = row_moments(values)
-    valid, n = rows.valid[:, 0], rows.count[:, 0]
+    valid, n = rows.valid[:, 0], rows.counts[:, 0]
     if standardise:
         sd = np.sqrt(rows.squares[:, 0] / np.where(rows.squares[:, 0] > 0, n - 1.0, np.nan))
         z = rows.deviation[:, 0] / sd[:, None]
@@ -158,7 +158,7 @@ def shapiro_wilk(values: ArrayLike) -> Outcomes:
     A row of fewer than three values, or without spread, has no test (NaN).
     """
     rows = row_moments(values)
-    count, squares = rows.count[:, 0], rows.squares[:, 0]
+    count, squares = rows.counts[:, 0], rows.squares[:, 0]
     deviation = np.sort(np.where(rows.valid, rows.deviation, np.inf)[:, 0], axis=1)
     lack, p = np.full(count.shape, np.nan), np.full(count.shape, np.nan)
     for n in set(count[count >= 3].tolist()):

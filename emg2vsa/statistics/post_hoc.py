@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cache
+from math import sqrt
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import special
 
-from emg2vsa.arrays import Floats, Ints
+from emg2vsa.arrays import Floats, Ints, uniform
 from emg2vsa.errors import DataError
 from emg2vsa.statistics import studentized_range
 from emg2vsa.statistics.anova import Anova, variance_of_means
@@ -63,14 +64,10 @@ class PairDifferences:
         return ("undefined: too few values in the two groups, or no scatter to compare their difference with",)
 
 
+@cache
 def pair_numbers(k: int) -> tuple[Ints, Ints]:
     """First and second group (q,) of all pairs of k groups: 0-1, 0-2, ..., 1-2, ...; DataError below two groups."""
     check_two_groups(k)
-    return _pairs(k)
-
-
-@cache
-def _pairs(k: int) -> tuple[Ints, Ints]:
     first, second = np.triu_indices(k, 1)
     first.flags.writeable = second.flags.writeable = False
     return first, second
@@ -84,9 +81,11 @@ def check_two_groups(k: int) -> None:
         )
 
 
-def student_quantile(df: Floats, probability: float) -> Floats | float:
+def student_quantile(df: Floats | float, probability: float) -> Floats | float:
     """Of Student's t at df (d, q), or one number where all are alike: they are few, and the quantile is slow."""
-    first = float(df.flat[0]) if df.size else np.nan
+    if isinstance(df, float):
+        return float(special.stdtrit(df, probability))
+    first = df.item(0) if df.size else np.nan
     if np.count_nonzero(df == first) == df.size:
         return float(special.stdtrit(first, probability))
     known, at = np.unique(df, return_inverse=True)
@@ -94,9 +93,10 @@ def student_quantile(df: Floats, probability: float) -> Floats | float:
 
 
 def student_pairs(
-    method: str, difference: Floats, se: Floats, df: Floats, n: Ints, k: int, confidence: float
+    method: str, difference: Floats, se: Floats, df: Floats | float, n: Ints, k: int, confidence: float
 ) -> PairDifferences:
-    """All pairs of k groups by Student's t (1908); difference, its standard error se (or (d, 1)), df, n : (d, q)."""
+    """All pairs of k groups by Student's t (1908); difference, its standard error se (or (d, 1)), df (or one number),
+    n : (d, q)."""
     first, second = pair_numbers(k)
     with np.errstate(divide="ignore", invalid="ignore"):
         t = difference / se
@@ -104,6 +104,8 @@ def student_pairs(
     if np.count_nonzero(undefined):
         df = np.where(undefined, np.nan, df)
     reach = student_quantile(df, 0.5 + 0.5 * confidence) * se
+    if isinstance(df, float):
+        df = uniform(t.shape, df)
     return PairDifferences(
         method=method,
         caution=f"one of {first.size} pairs, not corrected for their number",
@@ -115,7 +117,7 @@ def student_pairs(
         high=difference + reach,
         statistic=t,
         df=df,
-        p=2 * special.stdtr(df, -np.abs(t)),
+        p=2 * special.stdtr(df, np.copysign(t, -1.0)),
         n=n,
         confidence=confidence,
     )
@@ -128,8 +130,10 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
     the family-wise error is not controlled beyond three groups: .276 without and up to .20 with protection for five
     groups (benchmarks/familywise.py).
     """
-    difference, se, n = _pooled(anova)
-    df = np.full(difference.shape, anova.df2[:, None], dtype=np.float64)
+    difference, se, n, each = _pooled(anova)
+    df: Floats | float = (
+        float(anova.df2[0]) if each else np.full(difference.shape, anova.df2[:, None], dtype=np.float64)
+    )
     method = "Fisher's LSD, pooled SD" + (", protected by the F test" if protected else "")
     pairs = student_pairs(method, difference, se, df, n, anova.mean.shape[1], confidence)
     if not protected:
@@ -139,7 +143,7 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
 
 def tukey(anova: Anova, confidence: float = 0.95) -> PairDifferences:
     """Pairs by the studentized range of the k groups that have values, with the pooled SD (Tukey 1949, Kramer 1956)."""
-    difference, se, n = _pooled(anova)
+    difference, se, n, _ = _pooled(anova)
     df = np.where(anova.df2 < 1, np.nan, anova.df2)[:, None]
     held, k = "family-wise error of the {} pairs held, equal variances assumed", anova.mean.shape[1]
     return _range_pairs("Tukey's HSD", held, k, difference, se / np.sqrt(2), df, anova.df1 + 1, n, confidence)
@@ -149,30 +153,31 @@ def games_howell(values: ArrayLike, confidence: float = 0.95) -> PairDifferences
     """All pairs with their own variances and Welch's df against Tukey's range (Games and Howell 1976)."""
     groups = group_moments(values)
     used, per_mean = variance_of_means(groups)
-    first, second = pair_numbers(groups.count.shape[1])
+    first, second = pair_numbers(groups.counts.shape[1])
     with np.errstate(divide="ignore", invalid="ignore"):
         squared = np.where(used[:, first] & used[:, second], per_mean[:, first] + per_mean[:, second], np.nan)
-        share = per_mean**2 / (groups.count - 1)
+        share = per_mean**2 / (groups.counts - 1)
         df = squared**2 / (share[:, first] + share[:, second])
-    n1, n2 = groups.count[:, first], groups.count[:, second]
+    n1, n2 = groups.counts[:, first], groups.counts[:, second]
     difference = groups.to_data(groups.offset[:, first] - groups.offset[:, second])
     difference = np.where((n1 > 0) & (n2 > 0), difference, np.nan)
     held = "family-wise error of the {} pairs held approximately, variances may differ"
-    se, k = groups.to_data(np.sqrt(squared / 2)), groups.count.shape[1]
+    se, k = groups.to_data(np.sqrt(squared / 2)), groups.counts.shape[1]
     ranged = np.count_nonzero(used, axis=1)
     return _range_pairs("Games-Howell", held, k, difference, se, df, ranged, n1 + n2, confidence)
 
 
-def _pooled(anova: Anova) -> tuple[Floats, Floats, Ints]:
-    """Of all pairs (d, q): difference of the means, its standard error by the pooled SD, here also (d, 1), values."""
+def _pooled(anova: Anova) -> tuple[Floats, Floats, Ints, int]:
+    """Of all pairs (d, q): difference of the means, its standard error by the pooled SD, here also (d, 1), values; and
+    the values of a group where all have the same, else 0."""
     first, second = pair_numbers(anova.mean.shape[1])
     count, sd = anova.count, anova.sd[:, None]
     difference = anova.offset.take(first, axis=1) - anova.offset.take(second, axis=1)
     if each := common_count(count):
-        return difference, sd * np.sqrt(2 / each), np.full(difference.shape, 2 * each)
+        return difference, sd * sqrt(2 / each), uniform(difference.shape, 2 * each), each
     n1, n2 = count[:, first], count[:, second]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return difference, sd * np.sqrt(1 / n1 + 1 / n2), n1 + n2
+        return difference, sd * np.sqrt(1 / n1 + 1 / n2), n1 + n2, 0
 
 
 def _range_pairs(
