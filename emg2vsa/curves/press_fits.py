@@ -201,7 +201,8 @@ def without_line(correlation: Floats, n: Floats) -> Floats:
     share = np.zeros((len(correlation), 1))
     for _ in range(ROUNDS):
         worth = n / effective_number(correlation * (1 - share) + share, n)
-        share = np.nan_to_num(np.minimum(PARAMETERS * worth / np.maximum(n, 1), MOST_SHARE))[:, None]
+        found = np.minimum(PARAMETERS * worth / np.maximum(n, 1), MOST_SHARE)
+        share = np.where(np.isnan(found), 0.0, found)[:, None]
     return correlation * (1 - share) + share
 
 

@@ -150,12 +150,9 @@ def _unheard_s(
         spans.append(np.stack((begin_s - SMEARED_S, end_s + SMEARED_S), axis=-1))
     start_s, stop_s = presses.start_s + force.start_s, presses.stop_s + force.start_s
     lasted_s, gaps_s = stop_s - start_s, np.concatenate(spans)
-    lost_s = [
-        float(np.sum(np.maximum(np.minimum(gaps_s[:, 1], end) - np.maximum(gaps_s[:, 0], begin), 0)))
-        for begin, end in zip(start_s.tolist(), stop_s.tolist(), strict=True)
-    ]
+    shared_s = np.minimum(gaps_s[:, 1], stop_s[:, None]) - np.maximum(gaps_s[:, 0], start_s[:, None])
     good = presses.reached & (lasted_s > window.min_duration_s) & (lasted_s < window.max_duration_s)
-    good &= np.array(lost_s) <= HELD_SHARE * lasted_s
+    good &= np.maximum(shared_s, 0).sum(axis=1) <= HELD_SHARE * lasted_s
     if np.count_nonzero(good) > 2:
         cuts_s = np.concatenate(([-np.inf], (stop_s[:-1] + start_s[1:]) / 2, [np.inf]))
         spans.append(np.stack((cuts_s[:-1], cuts_s[1:]), axis=-1)[~good])

@@ -90,7 +90,7 @@ def extract_trials(
         participant=participant, specimen=specimen, muscles=raw.muscles,
         repetition=np.arange(1, times.start_s.size + 1), start_s=times.start_s, stop_s=times.stop_s,
         duration_s=times.stop_s - times.start_s, peak_force_n=conditioned.presses.peak_n,
-        snr_db=np.array([np.min([*trial.snr_db.values()]) for trial in evidence], dtype=np.float64),
+        snr_db=np.array([[*trial.snr_db.values()] for trial in evidence]).reshape(-1, len(raw.muscles)).min(axis=1),
         falling_share=np.array([trial.falling_share for trial in evidence], dtype=np.float64),
         verdict=np.array([verdict for verdict, _ in verdicts], dtype="<U8"),
         reasons=tuple(reasons for _, reasons in verdicts),

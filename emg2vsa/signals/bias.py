@@ -125,20 +125,23 @@ def line_change(
     top = np.repeat(means(level, offsets), counts)
     with np.errstate(divide="ignore", invalid="ignore"):
         weights = np.where(top > 0, (top / np.maximum(level, 0.1 * top)) ** 2, 1.0)
-        (a, b), (true_a, true_b) = _line(x, y, weights, offsets), _line(true_x, true_y, weights, offsets)
+        if true_x is x:
+            (a, b), (true_a, true_b) = _lines(x, (y, true_y), weights, offsets)
+        else:
+            ((a, b),), ((true_a, true_b),) = (_lines(*of, weights, offsets) for of in ((x, (y,)), (true_x, (true_y,))))
         shares = (a - true_a) / means(true_y, offsets), b / true_b - 1
     known = (counts >= 10) & np.isfinite(shares[1])
     return np.where(known, shares[0], np.nan), np.where(known, shares[1], np.nan)
 
 
-def _line(x: Floats, y: Floats, weights: Floats, offsets: Ints) -> tuple[Floats, Floats]:
-    """Weighted intercepts and slopes (p,)."""
-    counts = np.diff(offsets)
+def _lines(x: Floats, of: Sequence[Floats], weights: Floats, offsets: Ints) -> list[tuple[Floats, Floats]]:
+    """Weighted intercepts and slopes (p,) of each of the y."""
     total = means(weights, offsets)
     centre = means(weights * x, offsets) / total
-    lever = weights * (x - np.repeat(centre, counts))
-    b = means(lever * y, offsets) / means(lever * x, offsets)
-    return means(weights * y, offsets) / total - b * centre, b
+    lever = weights * (x - np.repeat(centre, np.diff(offsets)))
+    leverage = means(lever * x, offsets)
+    slopes = [means(lever * y, offsets) / leverage for y in of]
+    return [(means(weights * y, offsets) / total - b * centre, b) for y, b in zip(of, slopes, strict=True)]
 
 
 def means(values: Floats, offsets: Ints) -> Floats:

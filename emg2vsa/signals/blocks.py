@@ -66,7 +66,8 @@ def blocks_of(sos: bytes, both_passes: bool) -> Blocks:
 
 def fill_states(rows: Floats, filters: Blocks) -> None:
     """Fill in the states of rows (m, blocks, row), whose samples are there. Before and after all are zeros."""
-    samples, before, after = np.split(rows, (SIZE, SIZE + filters.into.shape[1]), axis=2)
+    states = SIZE + filters.into.shape[1]
+    samples, before, after = rows[..., :SIZE], rows[..., SIZE:states], rows[..., states:]
     forward = times(samples, filters.into)
     for reach, power in _within(filters, rows.shape[1]):
         forward[:, reach:] += times(forward[:, :-reach], power)

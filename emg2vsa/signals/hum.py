@@ -401,8 +401,10 @@ def _touch_pieces(start: Ints, stop: Ints, fs_hz: float, longest_s: float = TOUC
     for a, b in zip(start.tolist(), stop.tolist(), strict=True):
         size = min(b - a, round(longest_s * fs_hz))
         if size >= round(PIECE_S * fs_hz):
-            n = 1 + -(-2 * (b - a - size) // size)
-            pieces += [(begin, begin + size) for begin in np.linspace(a, b - size, n).astype(np.int64).tolist()]
+            further = -(-2 * (b - a - size) // size)
+            step = (b - size - a) / max(further, 1)
+            begins = *(int(i * step + a) for i in range(further)), b - size
+            pieces += [(begin, begin + size) for begin in begins]
     return pieces
 
 

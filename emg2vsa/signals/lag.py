@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -166,18 +167,19 @@ def estimate_lag(
     level = ((u - u.min()) * (LEVELS / max(float(np.ptp(u)), 1e-12))).astype(np.int64)
     cuts = np.searchsorted(time_s, (stop_s[1:] + stop_s[:-1]) / 2)
     second_s = step / emg.fs_hz
-    together, without, pulls, explained = _refined(y, level, heard, coarse, cuts)
-    apart = _refined(y, np.where(_rising(u), level, level + LEVELS + 1), heard, coarse, cuts)
-    if not explained > LEAST_EXPLAINED:
+    found = _refined(y, level, heard, coarse, cuts)
+    together, without = found.lag, found.without
+    if not found.explained(y) > LEAST_EXPLAINED:
         return UNKNOWN
+    apart = _refined(y, np.where(_rising(u), level, level + LEVELS + 1), heard, coarse, cuts)
     n = without.size
     # rise and release together tell best by how much presses differ, even where both are off by the same
-    differing_s = _beyond_noise((n * together - (n - 1) * without) * second_s, pulls)
-    difference_s = abs(together - apart[0]) * second_s
+    differing_s = _beyond_noise((n * together - (n - 1) * without) * second_s, found.pulls())
+    difference_s = abs(together - apart.lag) * second_s
     if difference_s <= APART_S:
         lag, feigned_s = together, FEIGNED_S + difference_s
     else:
-        lag, without, feigned_s = apart[0], apart[1], FEIGNED_S + difference_s / 2
+        lag, without, feigned_s = apart.lag, apart.without, FEIGNED_S + difference_s / 2
     lag_s, of_press_s = lag * second_s, (n * lag - (n - 1) * without) * second_s
     if n < 2:
         return Lag(lag_s, float("nan"), 1, feigned_s)
@@ -227,10 +229,34 @@ def _beyond_noise(of_press_s: Floats, pulls: Floats) -> float:
     return float(scatter_s * (1 - noise / all_of) ** 0.5)
 
 
-def _refined(y: Floats, level: Ints, heard: Floats, coarse: int, cuts: Ints) -> tuple[float, Floats, Floats, float]:
-    """The lag in steps at which y scatters least within the levels; those without each of the pieces between the cuts
-    (p,); the slopes of the scatter there that the halves of each have (p, 2); and the share of the variance of y that
-    the levels explain."""
+class _Refined(NamedTuple):
+    """lag : in steps, ``vertex`` of them from the middle one looked at. without : (p,) lags without each of the pieces
+    that begin at ``begins`` (p,). scatter : (lags, k) from step ``begin`` on; pieces : (lags, p) its sums."""
+
+    lag: float
+    without: Floats
+    vertex: float
+    scatter: Floats
+    pieces: Floats
+    begins: Ints
+    begin: int
+
+    def pulls(self) -> Floats:
+        """Slopes of the scatter at the lag (p, 2) that the halves of each piece have."""
+        odd = np.arange(self.scatter.shape[1]) // HALF_STEPS % 2 > 0
+        second = np.add.reduceat(np.where(odd, self.scatter, 0.0), self.begins, axis=1)
+        linear, square = _parabolas(np.stack((self.pieces - second, second), axis=-1))
+        return linear + 2 * square * self.vertex
+
+    def explained(self, y: Floats) -> float:
+        """Share of the variance of y (n,) that the levels explain."""
+        k = self.scatter.shape[1]
+        varying = float(np.var(y[self.begin : self.begin + k])) * k
+        return 1 - float(self.pieces.sum(axis=1).min()) / varying if varying else 0.0
+
+
+def _refined(y: Floats, level: Ints, heard: Floats, coarse: int, cuts: Ints) -> _Refined:
+    """The lag at which y (n,) scatters least within the levels (n,); the cuts (p,) part the pieces."""
     for _ in range(4):
         scatter, begin = _scatter(y, level, heard, coarse)
         least = int(np.argmin(scatter.sum(axis=1))) - FINE_STEPS
@@ -240,14 +266,11 @@ def _refined(y: Floats, level: Ints, heard: Floats, coarse: int, cuts: Ints) -> 
     inner = cuts - begin
     inner = inner[(inner > 0) & (inner < scatter.shape[1])]
     begins = np.unique(np.append(0, inner))
-    odd = np.arange(scatter.shape[1]) // HALF_STEPS % 2 > 0
-    pieces, second = (np.add.reduceat(own, begins, axis=1) for own in (scatter, np.where(odd, scatter, 0.0)))
+    pieces = np.add.reduceat(scatter, begins, axis=1)
     total = pieces.sum(axis=1, keepdims=True)
     lags = _vertices(np.hstack((total, total - pieces)))
-    linear, square = _parabolas(np.stack((pieces - second, second), axis=-1))
-    varying = float(np.var(y[begin : begin + scatter.shape[1]])) * scatter.shape[1]
-    explained = 1 - float(total.min()) / varying if varying else 0.0
-    return coarse + float(lags[0]), coarse + lags[1:], linear + 2 * square * lags[0], explained
+    vertex = float(lags[0])
+    return _Refined(coarse + vertex, coarse + lags[1:], vertex, scatter, pieces, begins, begin)
 
 
 def _rising(u: Floats) -> NDArray[np.bool_]:
@@ -361,11 +384,17 @@ def _scatter(y: Floats, level: Ints, heard: Floats, coarse: int) -> tuple[Floats
     return rows, begin
 
 
+_STEPS = np.arange(-FINE_STEPS, FINE_STEPS + 1.0)
+_BOW = _STEPS**2 - np.mean(_STEPS**2)
+
+
 def _parabolas(scatter: Floats) -> tuple[Floats, Floats]:
     """Linear and square coefficients (...) of the parabolas through the columns (lags, ...), from the middle on."""
-    steps = np.arange(-FINE_STEPS, FINE_STEPS + 1.0)
-    bow = steps**2 - np.mean(steps**2)
-    return np.tensordot(steps, scatter, 1) / np.sum(steps**2), np.tensordot(bow, scatter, 1) / np.sum(bow**2)
+    linear, square = (
+        np.dot(of[None], scatter.reshape(of.size, -1)).reshape(scatter.shape[1:]) / np.sum(of**2)
+        for of in (_STEPS, _BOW)
+    )
+    return linear, square
 
 
 def _vertices(scatter: Floats) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from emg2vsa.arrays import Floats, Ints, median
@@ -9,6 +11,12 @@ from emg2vsa.signals.bias import Shift, left_in, means
 
 FADE, FADE_T, FADE_PRESSES = 0.3, 4.0, 5
 "Change of a muscle's ln level over the recording, in units of its standard error, and from how many presses."
+
+
+@lru_cache(maxsize=16)
+def _pairs(n: int) -> tuple[Ints, Ints]:
+    """Of n presses, the sooner and the later one of every two."""
+    return np.triu_indices(n, 1)
 
 
 def level_trends(envelopes_v: Floats, offsets: Ints) -> tuple[Floats, Floats]:
@@ -24,7 +32,7 @@ def level_trends(envelopes_v: Floats, offsets: Ints) -> tuple[Floats, Floats]:
     if n < FADE_PRESSES:
         return slopes, errors
     place = np.linspace(-0.5, 0.5, n)
-    sooner, later = np.triu_indices(n, 1)
+    sooner, later = _pairs(n)
     for muscle, row in enumerate(levels):
         # by medians, for one press with a burst must not hide the trend of the others (Theil 1950, Sen 1968)
         slope = median((row[later] - row[sooner]) / (place[later] - place[sooner]))

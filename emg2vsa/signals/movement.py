@@ -95,7 +95,7 @@ def _spans(
 def _highest(values: Floats, at: Ints) -> Floats:
     """Largest of the values (n,) within ``CONTACT_STEPS`` of each place (k,)."""
     padded = np.concatenate((edge := np.zeros(CONTACT_STEPS), values, edge))
-    return np.asarray(np.max(np.lib.stride_tricks.sliding_window_view(padded, 2 * CONTACT_STEPS + 1)[at], axis=1))
+    return np.asarray(np.max(padded[at[:, None] + np.arange(2 * CONTACT_STEPS + 1)], axis=1))
 
 
 def _running(values: Floats, width: int) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -98,10 +99,11 @@ def spectra(samples: Sequence[Floats], bounds: Ints, length: int, fs_hz: float) 
             segments *= window
             parts = np.fft.rfft(segments, axis=1).view(np.float64)
             parts *= parts
-            pieces, at = np.unique(piece[part], return_index=True)
+            own_piece = piece[part]
+            at = [0, *(np.flatnonzero(own_piece[1:] != own_piece[:-1]) + 1).tolist(), len(parts)]
             # reduceat is slow along this axis
-            for number, a, b in zip(pieces.tolist(), at.tolist(), [*at[1:].tolist(), len(parts)], strict=True):
-                sums[number] += np.add.reduce(parts[a:b])
+            for a, b in itertools.pairwise(at):
+                sums[own_piece[a]] += np.add.reduce(parts[a:b])
         own[:] = sums[:, ::2] + sums[:, 1::2]
     found *= 2 / (fs_hz * (window @ window))
     with np.errstate(invalid="ignore"):

@@ -66,9 +66,9 @@ FORCE_UNITS = {"lbf": 4.448222, "kgf": 9.80665, "gf": 1 / 101.97162, "mN": 1e-3,
 PEAK_RANGE = (0.95, 1.5)
 "Range of the peak of a press, as shares of the upper force of the window."
 
-COARSE_VALUES, COARSE_PIECE = (3, 40), 4096
+COARSE_VALUES, COARSE_PIECE, COARSE_LOOK = (3, 40), 4096, 256
 """EMG whose first samples of a press, so many, hold no more values than these is stored in steps of a fifth of its
-level or more; one with fewer is flat, or no EMG."""
+level or more; one with fewer is flat, or no EMG. Most shows more values in its very first samples."""
 
 NEAR_RAIL = 0.8
 "Half of the presses reach so much of what a saturated channel ends at."
@@ -129,7 +129,10 @@ def plausibility(signals: Signals) -> Plausibility:
 def _coarse(signals: Signals, stored: Sequence[Sequence[Floats]]) -> Iterator[tuple[str, str]]:
     """Channels whose converter's steps are coarse beside their EMG."""
     for muscle, pieces in zip(signals.muscles, stored, strict=True):
-        values = np.unique(np.concatenate(pieces)[:COARSE_PIECE])
+        samples = np.concatenate(pieces)[:COARSE_PIECE]
+        if np.unique(samples[:COARSE_LOOK]).size > COARSE_VALUES[1]:
+            continue
+        values = np.unique(samples)
         if COARSE_VALUES[0] <= values.size <= COARSE_VALUES[1]:
             step_v = float(np.diff(values).min())
             if np.allclose(steps := np.diff(values) / step_v, np.rint(steps), atol=0.05):
@@ -146,12 +149,12 @@ def _settled(signals: Signals, stored: Sequence[Sequence[Floats]]) -> tuple[Sign
     for m, (muscle, of) in enumerate(zip(signals.muscles, stored, strict=True)):
         if sum(piece.size // size for piece in of) < 2:
             continue
-        blocks = [piece[: piece.size // size * size].reshape(-1, size) for piece in of]
-        means = [block.mean(axis=1) for block in blocks]
-        low_v, high_v = quantiles(np.sort(np.concatenate(means)), 0.05, 0.95)
+        blocks = np.concatenate([piece[: piece.size // size * size] for piece in of]).reshape(-1, size)
+        means = blocks.mean(axis=1)
+        blocks -= means[:, None]
+        low_v, high_v = quantiles(np.sort(means), 0.05, 0.95)
         wanders_v = high_v - low_v
-        apart = sum(float(np.square(block - own[:, None]).sum()) for block, own in zip(blocks, means, strict=True))
-        if wanders_v <= WANDER * np.sqrt(apart / sum(block.size for block in blocks)):
+        if wanders_v <= WANDER * np.sqrt(float(np.square(blocks, out=blocks).sum()) / blocks.size):
             continue
         sections = signal.butter(2, HIGH_PASS_HZ, "highpass", fs=signals.fs_hz, output="sos")
         fast = np.asarray(signal.sosfiltfilt(sections, samples[m]), dtype=np.float64)

@@ -163,7 +163,7 @@ def repeated_of(
         if n < 2 or most <= TWICE * n:
             continue
         samples = np.concatenate(of)
-        differs = samples[1:] != samples[:-1]
+        differs = (samples[1:] != samples[:-1]).view(np.int8)
         n_prints = 0
         for part in slices(n):
             print_of, changes = np.zeros(part.stop - part.start), np.zeros(part.stop - part.start, dtype=np.int8)
