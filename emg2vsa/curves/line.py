@@ -7,14 +7,14 @@ tiny or huge scale costs digits: the best and the fastest of the ways compared i
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from emg2vsa.arrays import Floats, Ints, exponent_of, unmasked
+from emg2vsa.arrays import Floats, Ints, exponent_of, uniform, unmasked
 from emg2vsa.errors import DataError
 
 SAFE = 1e-200  # sums of squares outside 1e-200 to 1e200 are taken again, scaled
@@ -26,8 +26,7 @@ _SETTLED = 1e-10
 _IN_UNIT_OF_Y = ("intercept", "slope", "intercept_se", "slope_se")
 
 
-@dataclass(frozen=True)
-class Line:
+class Line(NamedTuple):
     """k lines; every field (k,), NaN where undefined (too few points, one abscissa only)."""
 
     intercept: Floats
@@ -57,14 +56,14 @@ def fit_line(x: Floats, y: Floats, weights: Floats | None = None) -> Line:
             return line
         unit = exponent_of(y)
         scaled, _ = _fit(x, np.ldexp(y, -unit), weights)
-        return dataclasses.replace(scaled, **{f: np.ldexp(getattr(scaled, f), unit[:, 0]) for f in _IN_UNIT_OF_Y})
+        return scaled._replace(**{f: np.ldexp(getattr(scaled, f), unit[:, 0]) for f in _IN_UNIT_OF_Y})
 
 
 def join(lines: Sequence[Line]) -> Line:
     """Lines one after the other; at least one ``Line``."""
     if len(lines) == 1:
         return lines[0]
-    return Line(*(np.concatenate([getattr(line, f.name) for line in lines]) for f in dataclasses.fields(Line)))
+    return Line(*map(np.concatenate, zip(*lines, strict=True)))
 
 
 def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
@@ -99,7 +98,7 @@ def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
 def line_of_sums(p: int, x_mean: Floats, y_mean: Floats, sxx: Floats, slope: Floats, syy: Floats, sse: Floats) -> Line:
     """Lines through p > 2 points a row that count alike and differ in x, by means (d,), sums about them (d,), slopes
     (d,) and sums of residuals (d,). Rows on common x may have one mean (1,) and one sum about it."""
-    slope_se, unexplained, n = np.sqrt(sse / ((p - 2) * sxx)), sse / syy, np.full(len(slope), p)
+    slope_se, unexplained = np.sqrt(sse / ((p - 2) * sxx)), sse / syy
     return Line(
         intercept=y_mean - slope * x_mean,
         slope=slope,
@@ -107,8 +106,8 @@ def line_of_sums(p: int, x_mean: Floats, y_mean: Floats, sxx: Floats, slope: Flo
         slope_se=slope_se,
         r2=1 - unexplained,
         adj_r2=1 - unexplained * ((p - 1) / (p - 2)),
-        n=n,
-        dof=n - 2,
+        n=uniform(slope.shape, p),
+        dof=uniform(slope.shape, p - 2),
     )
 
 
@@ -195,7 +194,7 @@ def _with_h1_errors(line: Line, x: Floats, y: Floats, root: Floats, used: np.nda
         sxx = np.sum(w * (x - centre[:, None]) ** 2, axis=1)
         intercept_se = s * np.sqrt(1 / total + centre**2 / sxx) + 0 * line.slope
         slope_se = s / np.sqrt(sxx) + 0 * line.slope
-    return dataclasses.replace(line, intercept_se=intercept_se, slope_se=slope_se)
+    return line._replace(intercept_se=intercept_se, slope_se=slope_se)
 
 
 @dataclass(frozen=True)

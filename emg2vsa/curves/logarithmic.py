@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
 from casr.counts import count
-from emg2vsa.arrays import Floats, unmasked
+from emg2vsa.arrays import Floats, uniform, unmasked
 from emg2vsa.curves.line import SAFE, Line, fit_line, fit_line_huber, join, line_of_sums
 
 LEVEL_FLOOR = 0.1
@@ -19,7 +19,7 @@ LEVEL_FLOOR = 0.1
 NARROW = 1e-3
 """A fit whose forces differ by a smaller share of themselves says how many digits are left."""
 
-_SUMMED_AT_ONCE, _FITTED_AT_ONCE = 16_000, 8_000  # points: each table, or two, below 128 kB; larger are cleared anew
+_SUMMED_AT_ONCE, _FITTED_AT_ONCE = 24_000, 8_000  # points: two tables, or a dozen, together in a cache of a megabyte
 _MIDDLE = 1.0  # ln F of presses, which lie between .5 and 7 N, less this is about zero
 _NEAR = 3.0  # sum of squares of that over the one about its mean, above which their difference would lose digits
 _FAR = 1e8  # square of a mean over the sum of squares about it, above which centring by the rounded mean loses digits
@@ -57,7 +57,8 @@ def fit_log(force_n: ArrayLike, v: ArrayLike, robust: bool = False, confidence: 
     and not masked.
     robust : Huber weights.
     """
-    v = np.atleast_2d(np.asarray(unmasked(v), dtype=np.float64))
+    v = np.asarray(unmasked(v), dtype=np.float64)
+    v = v if v.ndim == 2 else np.atleast_2d(v)
     force = np.asarray(unmasked(force_n), dtype=np.float64)
     return _log_fit(_in_blocks(force, v, robust=True) if robust else _lines(force, v), confidence)
 
@@ -75,36 +76,31 @@ def _lines(force: Floats, v: Floats) -> Line:
     careful = _in_blocks(force if force.ndim == 1 else force[rest], v[rest])
     if rest.size == k:
         return careful
-    for field in dataclasses.fields(Line):
-        getattr(line, field.name)[rest] = getattr(careful, field.name)
+    for plain, found in zip(line, careful, strict=True):
+        plain[rest] = found
     return line
 
 
 def _sums(force: Floats, v: Floats) -> tuple[Floats, ...]:
-    """Of rows (k,): means of x = ln F - 1 and of v, sums of x^2, and of v about its mean times x and times itself. Rows
-    on common forces have one mean (1,) and one sum of x^2."""
-    k, p = v.shape
-    weights, common, sums, cuts = np.full(p, 1 / p), force.ndim == 1, np.empty((5, k)), _blocks(v, _SUMMED_AT_ONCE)
-    shape = min(k, cuts[0].stop), p
-    logs, about = np.empty((0 if common else shape[0], p)), np.empty(shape)
-    x = np.log(force)[None] - _MIDDLE if common else logs
-    for cut in cuts:
-        mean_x, mean_v, xx, xv, vv = sums[:, cut]
+    """Of rows (k,): means of v, sums of v about its mean times x = ln F - 1 and times itself; means of x, sums of x^2.
+    Rows on common forces have one mean (1,) and one sum of x^2."""
+    weights, common, parts = uniform(v.shape[1], 1 / v.shape[1]), force.ndim == 1, []
+    x = np.log(force)[None] - _MIDDLE if common else force
+    for cut in _blocks(v, _SUMMED_AT_ONCE):
         if not common:
-            x = np.log(force[cut], out=logs[: len(vv)])
+            x = np.log(force[cut], order="C")  # as sums of columns would end in another last bit
             x -= _MIDDLE
-            np.vecdot(x, weights, out=mean_x)
-            np.vecdot(x, x, out=xx)
         rows = v[cut]
-        np.vecdot(rows, weights, out=mean_v)
-        dv = np.subtract(rows, mean_v[:, None], out=about[: len(vv)])
-        np.vecdot(x, dv, out=xv)
-        np.vecdot(dv, dv, out=vv)
-    return (np.vecdot(x, weights), sums[1], np.vecdot(x, x), *sums[3:]) if common else tuple(sums)
+        mean_v = np.vecdot(rows, weights)
+        dv = np.subtract(rows, mean_v[:, None], order="C")
+        of_rows = mean_v, np.vecdot(x, dv), np.vecdot(dv, dv)
+        parts.append(of_rows if common else (*of_rows, np.vecdot(x, weights), np.vecdot(x, x)))
+    sums = parts[0] if len(parts) == 1 else tuple(map(np.concatenate, zip(*parts, strict=True)))
+    return (*sums, np.vecdot(x, weights), np.vecdot(x, x)) if common else sums
 
 
 def _of_sums(
-    p: int, mean_x: Floats, mean_v: Floats, xx: Floats, xv: Floats, vv: Floats
+    p: int, mean_v: Floats, xv: Floats, vv: Floats, mean_x: Floats, xx: Floats
 ) -> tuple[Line, NDArray[np.bool_]]:
     """Lines through rows of p points, and which of them kept their digits: none with a point that does not count."""
     sxx = xx - p * mean_x * mean_x
@@ -228,8 +224,9 @@ def said_of_forces(force_n: Floats) -> list[str]:
 
 def _t_quantile(dof: NDArray[np.int64] | Floats, confidence: float) -> Floats | float:
     """Student t (k,), or one for all, of a two-sided interval; NaN where dof is 0."""
-    if dof.size and dof[0] > 0 and np.count_nonzero(dof == dof[0]) == dof.size:
-        return float(special.stdtrit(int(dof[0]), 0.5 + 0.5 * confidence))
+    first = dof.item(0) if dof.size else 0
+    if first > 0 and np.count_nonzero(dof == first) == dof.size:
+        return float(special.stdtrit(int(first), 0.5 + 0.5 * confidence))
     distinct, where = np.unique(dof, return_inverse=True)
     quantile = special.stdtrit(np.where(distinct > 0, distinct, np.nan), 0.5 + 0.5 * confidence)
     return np.asarray(quantile, dtype=np.float64)[where]

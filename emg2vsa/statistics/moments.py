@@ -23,8 +23,7 @@ class GroupMoments(NamedTuple):
     counts (d, k). offset (d, k): means relative to the first value of the design, 0 for an empty group. squares (d, k):
     sums of squared deviations from the group's mean. deviation (d, k, n): those deviations, 0 where there is no value,
     valid (d, k, n): where there is one. unit (d,): binary exponents, None where all are 0. mean (d, k): in the data's
-    unit, NaN where empty.
-    each : the number of values of a group where all have the same, else 0.
+    unit, NaN where empty. each : the number of values of a group where all have the same, else 0.
     """
 
     counts: Ints

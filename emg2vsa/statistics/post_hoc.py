@@ -131,9 +131,7 @@ def lsd(anova: Anova, confidence: float = 0.95, *, protected: bool = False) -> P
     groups (benchmarks/familywise.py).
     """
     difference, se, n, each = _pooled(anova)
-    df: Floats | float = (
-        float(anova.df2[0]) if each else np.full(difference.shape, anova.df2[:, None], dtype=np.float64)
-    )
+    df: Floats | float = float(anova.df2[0]) if each else anova.df2[:, None] + 0.0 * n
     method = "Fisher's LSD, pooled SD" + (", protected by the F test" if protected else "")
     pairs = student_pairs(method, difference, se, df, n, anova.mean.shape[1], confidence)
     if not protected:
