@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -27,6 +26,8 @@ def write_new(path: Path, data: bytes) -> None:
 
     FileExistsError : the file is there already. OSError : names ``path``.
     """
+    import tempfile  # loads much, which a program that writes nothing does without
+
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
@@ -60,6 +61,8 @@ def sync_folder(folder: Path) -> None:
 
 
 def _write_atomic(path: Path, pieces: Iterable[bytes], on_disk: bool = False, mode: int = 0o644) -> None:
+    import tempfile
+
     path.parent.mkdir(parents=True, exist_ok=True)
     handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     try:

@@ -6,7 +6,6 @@ OPENBLAS_CORETYPE overrules it. See docs/decisions/0031-processors.md.
 
 from __future__ import annotations
 
-import ctypes
 import importlib.util
 from collections.abc import Iterator
 from functools import cache
@@ -20,6 +19,8 @@ _NAMES = tuple(f"{before}openblas_get_corename{after}" for before in ("scipy_", 
 @cache
 def blas_kernel() -> str:
     """Such as SkylakeX or Haswell; NumPy itself is not loaded for it."""
+    import ctypes  # a run that finds everything fresh does without it
+
     for path in _libraries():
         try:
             library = ctypes.CDLL(str(path))

@@ -8,10 +8,8 @@ import json
 import os
 import re
 import sys
-import traceback
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from functools import partial
 from importlib import import_module
 from pathlib import Path
@@ -134,6 +132,8 @@ class Program:
     def _failed(self, text: str, **parts: object) -> int:
         """The error that is being handled, for a person and for a program; with ``-v`` where it arose."""
         if VOICE.verbose:
+            import traceback
+
             traceback.print_exc()
         name, colon, rest = text.partition(": ")
         known = colon and name == self.name
@@ -242,6 +242,8 @@ class Parser(argparse.ArgumentParser):
 
 def nearest(word: str, known: Iterable[str]) -> str:
     """A question that names the known word that is most like a mistyped one; "" where none is."""
+    from difflib import get_close_matches  # who types well does without it
+
     near = get_close_matches(word, list(known), 1)
     return f" Did you mean {near[0]}?" if near else ""
 

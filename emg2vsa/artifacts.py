@@ -43,7 +43,7 @@ def save(path: Path, product: Any) -> None:
     write_bytes_atomic(path, _MAGIC + _sum(body) + body)
 
 
-def load(path: Path) -> Any:
+def load(path: str | Path) -> Any:
     """Read what ``save`` wrote. Raises DamagedResult where the file is not that."""
     data = _checked(path)
     try:
@@ -65,10 +65,11 @@ def digest_of(path: Path) -> str:
     return _checked(path)[len(_MAGIC) : _START].hex()
 
 
-def _checked(path: Path) -> bytes:
+def _checked(path: str | Path) -> bytes:
     """The bytes of a result whose checksum holds."""
     try:
-        data = path.read_bytes()
+        with open(path, "rb") as file:
+            data = file.read()
     except OSError as error:
         raise _damaged(path, error.strerror or str(error)) from error
     count("files read")
@@ -80,7 +81,7 @@ def _checked(path: Path) -> bytes:
     return data
 
 
-def _damaged(path: Path, found: str) -> DamagedResult:
+def _damaged(path: str | Path, found: str) -> DamagedResult:
     return DamagedResult(path, wanted="a stored result", found=found, do="Run the study again; it is made anew.")
 
 

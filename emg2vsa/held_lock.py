@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import platform
 import sys
 from datetime import datetime
 from pathlib import Path
@@ -17,9 +16,14 @@ def myself() -> dict[str, object]:
     """Who holds a claim or a lock: process, computer, and since when."""
     return {
         "pid": os.getpid(),
-        "host": platform.node(),
+        "host": _computer(),
         "since": datetime.now().astimezone().isoformat("T", "seconds"),
     }
+
+
+def _computer() -> str:
+    """Name of this computer, as ``platform.node`` tells it, which loads much."""
+    return os.uname().nodename if hasattr(os, "uname") else os.environ.get("COMPUTERNAME", "")
 
 
 def told(path: Path) -> str:

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Annotated, Literal
 
 from emg2vsa.settings import Fraction, Ge, Gt, Le, MinLen, NonNegative, Positive, Tagged
+from emg2vsa.settings_class import settings_class
 
 Text = Annotated[str, MinLen(1)]
 Port = Annotated[int, Ge(1), Le(65535)]
@@ -17,7 +18,7 @@ MOST_FORCE_N = 50.0
 """No session presses harder."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class EmgSettings:
     """Where the EMG of a session comes from. The channels of the study ([channels.emg]) are the ones that are kept."""
 
@@ -27,7 +28,7 @@ class EmgSettings:
     "Fixed delay from skin to arrival (Trigno about 0.048 s), taken off every time stamp."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class SessionForceSettings:
     """Where the pressing force of a session comes from."""
 
@@ -37,7 +38,7 @@ class SessionForceSettings:
     "Fixed delay from finger to arrival, taken off every time stamp."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class SessionTexts:
     """What the participant reads; write them in the participant's language."""
 
@@ -73,7 +74,7 @@ class SessionTexts:
     "While no force arrives."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class SessionAbout:
     """What no device says of a recording, for the side files of the data set. Texts that are empty are left out."""
 
@@ -115,7 +116,7 @@ class SessionAbout:
     "Licence of the data set, such as CC0 or CC-BY-4.0."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ElectrodePlaces:
     """Where the electrodes are on the forearm, for electrodes.tsv and coordsystem.json."""
 
@@ -127,7 +128,7 @@ class ElectrodePlaces:
     "Muscle to x and y of its two electrodes."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class FormColumn:
     """A column of participants.tsv that is filled in before a session: a number in a range, or one of some words."""
 
@@ -141,7 +142,7 @@ class FormColumn:
     "Word to its meaning."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class SessionLimits:
     """How well a press must be done, beside what [window] asks of every recording: what only a live session knows.
 
@@ -167,7 +168,7 @@ class SessionLimits:
 TriggerMark = Literal["start", "stop", "verdict"]
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class TriggerSettings:
     """Marks for other devices on a serial port, when START and STOP are shown and when a verdict is given."""
 
@@ -187,7 +188,7 @@ class TriggerSettings:
     "Bits a second; 8N1."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class SessionSettings:
     """One participant's session: devices, order, force range, speed, pauses and texts.
 

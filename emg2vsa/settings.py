@@ -11,6 +11,8 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import Annotated, Any, Literal, NamedTuple
 
+from emg2vsa.settings_class import settings_class
+
 Condition = Literal["high-stiffness", "modular", "constant-min", "constant-mean", "constant-max"]
 RIGID: Condition = "high-stiffness"
 """How the rig presses (paper, section V): a rigid motor, or the actuator with a whole profile or one level of it."""
@@ -48,7 +50,7 @@ NonNegative = Annotated[float, Ge(0)]
 Fraction = Annotated[float, Gt(0), Le(1)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class EmgChannelSettings:
     """One muscle's EMG channel."""
 
@@ -62,7 +64,7 @@ class EmgChannelSettings:
     "Sampling rate, Hz, for a file that states none, such as one without a time column; the two must agree."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ForceChannelSettings:
     """The pressing force channel."""
 
@@ -90,7 +92,7 @@ class ForceChannelSettings:
     "Force in a file of its own: channels of one trigger in the EMG's file and in the force's, for a common clock."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ChannelSettings:
     """Which channel plays which role."""
 
@@ -100,7 +102,7 @@ class ChannelSettings:
     "The pressing force."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ReadingSettings:
     """What the decoder of a binary recording (EDF, C3D, .mat, TDMS, XDF, HDF5) may cost before the file is refused."""
 
@@ -110,7 +112,7 @@ class ReadingSettings:
     "Most memory of the decoder, MB, and ten times the file's size more; macOS and Windows do not enforce it."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class FilterSettings:
     """Conditioning of EMG and force (paper IV.B)."""
 
@@ -146,7 +148,7 @@ class FilterSettings:
     "compiled: envelopes by loops that Numba compiles (the extra flow), faster, equal to 13 digits; plain: without it."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class CocontractionSettings:
     """How the envelopes of the muscles become one activity."""
 
@@ -165,7 +167,7 @@ class CocontractionSettings:
         return self.normalise == "session-max"
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class WindowSettings:
     """Which part of a recording is a trial, and which trials are good."""
 
@@ -197,7 +199,7 @@ MOST_BINS = 1000
 "Force bins of a press at most: a fit holds the covariance of every pair, 8 MB an array."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class FitSettings:
     """The logarithmic fit v = a + b log F, equation (6)."""
 
@@ -233,7 +235,7 @@ class PressJudgement:
     excludes: bool
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class HypothesisSettings:
     """The tests on b of section IV.B."""
 
@@ -251,7 +253,7 @@ MEDOID = "medoid"
 """The exemplary participant is the one whose schedules differ least, on average, from those of the others."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ProfileSettings:
     """Mean trends and the profile of a new specimen."""
 
@@ -275,7 +277,7 @@ class ProfileSettings:
     "Forces at which curves are evaluated."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ScheduleSettings:
     """Mapping (7) of co-contraction to actuator stiffness, and the ramp of (8)."""
 
@@ -306,7 +308,7 @@ class ScheduleSettings:
     "Conditions exported."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class SimulationSettings:
     """The synthetic study: continuous recordings whose truth is known (``emg2vsa tools simulate``)."""
 
@@ -368,7 +370,7 @@ PAPER_BESIDE = RECIPES["paper"]._replace(engine="pin-affine")
 """The paper's beside another algorithm: with the flow of the pins, as dense flow needs numba, which is an extra."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class RunSettings:
     """How the presses of the rig are scored (paper III.A, IV.A).
 
@@ -412,7 +414,7 @@ class RunSettings:
         return PAPER_BESIDE if algorithm == "paper" else self.recipe._replace(area_rule=algorithm)
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class DiscriminationSettings:
     """The comparisons of the presses of the rig (paper VI)."""
 
@@ -426,7 +428,7 @@ Law = Literal["compliance", "exponential", "power", "linear-log"]
 Minimise = Literal["casr", "kappa", "ln kappa"]
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class CalibrationSettings:
     """From scores to stiffness: which law, how it is fitted, and how its intervals are made (paper VI)."""
 
@@ -451,7 +453,7 @@ class CalibrationSettings:
     "Same seed, same bootstrap."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ClaimSettings:
     """The smallest differences that matter: by these and by its interval a claim is judged."""
 
@@ -483,7 +485,7 @@ class ClaimSettings:
     "Cut of the error of kappa by a step that matters, percentage points (the paper claims 3 to 24)."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class StageSettings:
     """The settings of all stages: a table of the study file and a field of the study for each."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
@@ -17,6 +18,7 @@ from emg2vsa.settings import (
     StageSettings,
     WindowSettings,
 )
+from emg2vsa.settings_class import settings_class
 
 
 def registration_of(study_file: Path) -> Path:
@@ -103,7 +105,7 @@ class RecordingEntry:
     def key(self) -> str:
         return f"{self.participant}/{self.specimen}"
 
-    @property
+    @cached_property
     def parts(self) -> tuple[RecordingPart, ...]:
         """All recordings of it, in the order of their presses."""
         return (RecordingPart(self.emg_file, self.force_file, self.channels, self.fault, self.visit), *self.further)
@@ -169,7 +171,7 @@ def plates_beside(runs: Path) -> Path:
     return runs.with_name(f"{runs.name}-plate")
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class Study(StageSettings):
     """A whole study, with the settings of every stage. ``path``: its study file."""
 

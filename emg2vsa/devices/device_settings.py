@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
 from typing import Annotated
 
 from emg2vsa.devices.registry import Wrong
 from emg2vsa.settings import Ge, Gt, Le, MinLen, Positive
+from emg2vsa.settings_class import settings_class
 
 RATE_HZ = 20.0
 """Frames a second of the tactile camera."""
@@ -32,7 +32,7 @@ Channels = Annotated[dict[str, Text], MinLen(1)]
 NetPort = Annotated[int, Ge(1), Le(65535)]
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ActuatorSettings:
     """An actuator of any kind."""
 
@@ -68,7 +68,7 @@ class ActuatorSettings:
         return ""
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ForceSettings:
     """The force sensor under the specimen, of any kind."""
 
@@ -80,7 +80,7 @@ class ForceSettings:
     "true: the load on the sensor when a run begins becomes its zero; needed where the sensor has no zero of its own."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class CameraSettings:
     """The tactile camera, of any kind."""
 

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, NoReturn
 
 from emg2vsa.devices.registry import Around, Kind
 from emg2vsa.errors import SettingError
 from emg2vsa.session_settings import EmgSettings, SessionForceSettings
+from emg2vsa.settings_class import settings_class
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class SimulatedEmgSettings(EmgSettings):
     """No device: the EMG of an emulated participant."""
 
     kind: Literal["simulated"] = "simulated"
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class SimulatedForceSettings(SessionForceSettings):
     """No device: the force of an emulated participant."""
 

@@ -16,8 +16,9 @@ from emg2vsa.study import RecordingEntry, RunEntry, RunsSource, Study
 
 if TYPE_CHECKING:
     from emg2vsa.registration import Registered
-    from emg2vsa.rig.experiment import Run
+    from emg2vsa.rig.experiment import ExperimentSettings, Run
     from emg2vsa.rig_file import RigFile
+    from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 MOVED = "runs-virtual-0.1.0"
 
@@ -78,9 +79,13 @@ class Campaign:
         return {name: place for place, name in enumerate(self.mountings, 1)}
 
     @cached_property
-    def shared_settings(self) -> dict[str, dict[str, Any]]:
-        """Specimen to what all its emulated runs have in common, once ``emulation_settings`` has made it."""
-        return {}
+    def emulations(self) -> dict[str, tuple[ExperimentSettings, EmulatedSettings, EmulatedSettings]]:
+        """Specimen to what its emulated runs have in common, as the same objects: each is converted for keys once.
+
+        The experiment with this specimen alone, what is emulated of it, and this without the place of its tables.
+        """
+        specimens = dict.fromkeys(run.specimen for run in self.mountings.values())
+        return {name: _emulation(self.rig, name) for name in specimens if self.rig is not None}
 
     @cached_property
     def registered(self) -> Registered | None:
@@ -89,6 +94,14 @@ class Campaign:
             return None
         found: Registered | None = importlib.import_module("emg2vsa.pipeline.registered").registered(self.study)
         return found
+
+
+def _emulation(file: RigFile, specimen: str) -> tuple[ExperimentSettings, EmulatedSettings, EmulatedSettings]:
+    assert file.emulated is not None
+    schedule_of = {one: other for one, other in file.experiment.schedule_of.items() if one == specimen}
+    alone: dict[str, Any] = {"specimens": (specimen,), "angles_deg": {}, "mountings": 1, "order": "listed", "seed": 0}
+    emulated = file.emulated.of(specimen)
+    return replace(file.experiment, schedule_of=schedule_of, **alone), emulated, replace(emulated, domes=None)
 
 
 def campaign(study: Study) -> Campaign:

@@ -16,7 +16,6 @@ import os
 import re
 import sys
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -32,8 +31,7 @@ _LOADED: dict[str, State] = {}
 """States of our files that this process has loaded, as its first plan, or the one before they were loaded, saw them."""
 
 
-@dataclass(frozen=True)
-class Reached:
+class Reached(NamedTuple):
     """modules : name to digest. libraries : distribution to version, Python's own too. states : of the files read."""
 
     modules: Part

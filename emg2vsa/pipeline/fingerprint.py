@@ -15,7 +15,7 @@ import sys
 import time
 from collections.abc import Callable, Hashable, Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from casr.atomic import write_bytes_atomic
 from emg2vsa.pipeline.stage import Keyed
@@ -76,7 +76,7 @@ class Fingerprints:
     def seen(self, path: str) -> tuple[State | None, str]:
         """State and digest of a file's content, as of one moment."""
         state = state_of(path)
-        value = self.computed(path, digest, state)
+        value = self.known(path, state) or self.computed(path, digest, state)
         return state, MISSING if value is None else str(value)
 
     def computed(self, path: str, compute: Callable[[bytes], Any], state: State | None) -> Any:
@@ -95,7 +95,7 @@ class Fingerprints:
             self._changed = True
         return value
 
-    def known(self, path: str, state: State) -> Any:
+    def known(self, path: str, state: State | None) -> Any:
         """What is remembered of a file in that ``state``; None for nothing."""
         known = self._known.get(path)
         return known[1] if known is not None and tuple(known[0]) == state else None
@@ -160,8 +160,7 @@ def _read(memory: Path, warn: Callable[[str], None]) -> dict[str, list[Any]]:
         return {}
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Part:
+class Part(NamedTuple):
     """One part of a key: plain JSON values and their digest."""
 
     digest: str
@@ -184,7 +183,7 @@ class Values:
     def part(self, settings: dict[str, Any]) -> tuple[Part, tuple[str, ...]]:
         """The settings of one step, and modules of this project whose objects they are: what uses these need not import
         those."""
-        same = tuple(item for name, value in settings.items() for item in (name, _same(value)))
+        same = (*settings, *map(_same, settings.values()))
         known = self._parts.get(same)
         if known is None:
             # the settings are kept, so that no other object gets their id

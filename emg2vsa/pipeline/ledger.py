@@ -10,9 +10,8 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from casr.atomic import write_bytes_atomic
 from emg2vsa.pipeline.fingerprint import Part, digest
@@ -24,8 +23,7 @@ KEPT_RESULTS = 2
 LEDGER_FILE = "ledger.jsonl"
 
 
-@dataclass(frozen=True)
-class Parts:
+class Parts(NamedTuple):
     """Everything a step's result depends on. files, inputs : name to digest."""
 
     settings: Part
@@ -35,8 +33,7 @@ class Parts:
     libraries: Part
 
 
-@dataclass(frozen=True)
-class Entry:
+class Entry(NamedTuple):
     """How a step ended.
 
     status : done or failed. final : the failure is the input's fault, and the step is not tried again. result : digest
@@ -86,7 +83,10 @@ class Ledger:
 
     def with_key(self, step: str, key: str) -> Entry | None:
         """How the step ended with that key, if that is one of the kept entries."""
-        return next((entry for entry in self._entries.get(step, ()) if entry.key == key), None)
+        for entry in self._entries.get(step, ()):
+            if entry.key == key:
+                return entry
+        return None
 
     def steps(self) -> Iterable[str]:
         """Ids of all steps that ended once."""
@@ -180,10 +180,11 @@ class Ledger:
             self.damaged += 1
 
     def _entry(self, fields: dict[str, Any]) -> Entry:
-        given = fields["parts"]
+        given = fields.pop("parts")
         settings, code, libraries = (self._parts[given[name]] for name in _SHARED)
         parts = Parts(settings, given["files"], given["inputs"], code, libraries)
-        return Entry(**{name: value for name, value in fields.items() if name not in ("parts", "sum")}, parts=parts)
+        del fields["sum"]
+        return Entry(**fields, parts=parts)
 
 
 _SEAL_BYTES = len(b',"sum":"0123456789abcdef"}')

@@ -6,7 +6,7 @@ import contextlib
 import json
 import os
 import re
-import tempfile
+import time
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -65,6 +65,8 @@ def writable_or_temporary(
     if is_writable(study.results) and not (now and holder(study.results)):
         yield study, below
         return
+    import tempfile  # loads much, which few runs need
+
     with tempfile.TemporaryDirectory() as folder:
         yield placed_in(study, Path(folder)), study.results
 
@@ -109,8 +111,9 @@ def own_report(study: Study) -> None:
 def _refusal(folder: Path) -> str:
     """Why no file can be made in the folder; "" where one can."""
     there = next(path for path in (folder, *folder.parents) if path.exists())
+    name = there / f".writable.{os.getpid()}.{time.monotonic_ns()}"
     try:
-        handle, name = tempfile.mkstemp(dir=there, prefix=".writable.")
+        handle = os.open(name, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
     except OSError as error:
         return error.strerror or str(error)
     os.close(handle)

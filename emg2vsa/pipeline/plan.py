@@ -49,7 +49,7 @@ class Step:
     message: str = ""
     result: str = ""
     reads: dict[str, FileState | None] = field(default_factory=dict)
-    at: Path | None = None
+    at: str | None = None
     types: tuple[str, ...] = ()
     loaded: tuple[str, ...] = ()
 
@@ -99,7 +99,7 @@ class StepPlan:
     def done(self, name: str, of: Iterable[str] | None = None) -> tuple[Path, ...]:
         """Results of a stage that are there, in the study's order; of all items, or of these."""
         steps = self._of.get(name, ()) if of is None else [self.steps[f"{name}/{item}"] for item in of]
-        return tuple(step.at for step in steps if step.status in DONE and step.at is not None)
+        return tuple(Path(step.at) for step in steps if step.status in DONE and step.at is not None)
 
     def files(self, name: str) -> list[Path]:
         """The files that the steps of a stage wrote."""
@@ -134,15 +134,16 @@ class StepPlan:
             one = self.steps.get(f"{need}/{item}")
             taken_steps += [one] if one is not None else []
             if one is not None and one.status in DONE and one.at is not None:
-                taken.setdefault(need, []).append(one.at)
+                taken.setdefault(need, []).append(Path(one.at))
                 if stage(need).folder is not None:
                     folder = self.folder(need, item)
                     paths = [f"{folder}/{each}" for each in artifacts.load(one.at).names]
                     step.reads.update((path, state_of(path)) for path in paths)
+        files = own.files(self.campaign, step.item)
         return Given(
             item=step.item,
             settings={name: value_of(each) for name, each in own.settings(self.campaign, step.item).items()},
-            files=own.files(self.campaign, step.item),
+            files={role: tuple(map(Path, paths)) for role, paths in files.items()},
             inputs=taken,
             failures=self.failures(None if own.per == "study" else taken_steps) if own.tells_failures else (),
             folder=None if own.folder is None else own.folder(self.campaign, step.item),
@@ -165,7 +166,7 @@ class StepPlan:
             return not code
         if status == "done":
             if stage(step.stage).folder is not None:
-                old = sorted(self.store.path(step.id, step.key).parent.glob("*.result"))
+                old = self.store.results(step.id)
                 remove_left_files(self.folder(step.stage, step.item), old, artifacts.load(unfinished))
             step.at = self.store.settle(unfinished, step.id, step.key)
             step.result = self.prints.file(step.at)
@@ -175,7 +176,7 @@ class StepPlan:
 
     def _use(self, step: Step, loaded: tuple[str, ...]) -> Reached:
         """Give a step the key that it has with the code and libraries that it uses, and say which they are."""
-        used = self._code.used(module_of(step.stage), tuple(dict.fromkeys((*step.types, *loaded))))
+        used = self._code.used(module_of(step.stage), (*step.types, *loaded))
         own = step.parts
         step.parts = Parts(own.settings, own.files, own.inputs, used.modules, used.libraries)
         step.key, step.loaded = _key(step.stage, step.item, step.parts), loaded
@@ -213,16 +214,16 @@ class StepPlan:
         unknown: list[str] = []
         blocked = ""
         for need, other in inputs(self.campaign, name, item):
-            one = self.steps.get(f"{need}/{other}")
+            one = self.steps.get(source := f"{need}/{other}")
             if one is None:
                 continue
             if one.status in DONE:
-                known[one.id] = one.result
+                known[source] = one.result
             elif one.status in REFUSED:
-                known[one.id] = f"failed {digest(self._portable(one.message))}"
-                blocked = one.id if own.per == "run" or (other == item and own.per != "study") else blocked
+                known[source] = f"failed {digest(self._portable(one.message))}"
+                blocked = source if own.per == "run" or (other == item and own.per != "study") else blocked
             else:
-                unknown.append(one.id)
+                unknown.append(source)
         reads: dict[str, FileState | None] = {}
         files: dict[str, str] = {}
         base = str(self.study.path.parent)
@@ -246,14 +247,13 @@ class StepPlan:
     def _use_as_before(self, step: Step) -> None:
         """Give a step the key that a kept entry has, if it uses today what it used then; else the one that it would
         have, did it use the same modules and libraries as last time."""
-        kept = (self.ledger, self._below) if self._below else (self.ledger,)
-        before = list(dict.fromkeys(loaded for ledger in kept for loaded in ledger.loaded(step.id))) or [()]
-        for loaded in before:
+        below, name = self._below, step.id
+        before = self.ledger.loaded(name) + (below.loaded(name) if below else []) or [()]
+        for loaded in dict.fromkeys(before):
             self._use(step, loaded)
-            if any(ledger.with_key(step.id, step.key) for ledger in kept):
+            if self.ledger.with_key(name, step.key) or (below and below.with_key(name, step.key)):
                 return
-        if len(before) > 1:
-            self._use(step, before[0])
+        self._use(step, before[0])
 
     def _look_up(self, step: Step, own: Stage) -> None:
         """Status of a step whose key is known."""
@@ -280,11 +280,11 @@ class StepPlan:
         else:
             step.reasons = ("never ran",) if last is None else tuple(differences(last.parts, step.parts)) or (_AGAIN,)
 
-    def _trouble(self, path: Path, entry: Entry, own: Stage, item: str) -> str:
+    def _trouble(self, path: str, entry: Entry, own: Stage, item: str) -> str:
         """What is wrong with a stored result, "" where nothing is."""
         found = self.prints.file(path)
         if found != entry.result:
-            missing = "a folder is in place of its result" if path.is_dir() else "its result is missing"
+            missing = "a folder is in place of its result" if os.path.isdir(path) else "its result is missing"
             return missing if found == "missing" else "its result was damaged"
         if own.folder is None:
             return ""

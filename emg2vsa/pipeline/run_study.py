@@ -83,7 +83,9 @@ def run_study(
                 break
         for step in ran:  # a later round finds fresh what an earlier one made
             plan.steps[step].status = "done" if plan.steps[step].status == "fresh" else plan.steps[step].status
-            plan.store.keep_only(step, plan.ledger.keys(step))
+            for removed in plan.store.keep_only(step, plan.ledger.keys(step)):
+                plan.prints.forget(removed)  # its memory would grow with every run
+        plan.prints.save()
         plan.ledger.compact()
         if profile is not None:
             profile.end(plan)

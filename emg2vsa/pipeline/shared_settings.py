@@ -14,8 +14,6 @@ from emg2vsa.pipeline.stage import Keyed
 if TYPE_CHECKING:
     from emg2vsa.devices.device_settings import ActuatorSettings
     from emg2vsa.pipeline.campaign import Campaign
-    from emg2vsa.rig_file import RigFile
-    from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 
 def profile_settings(campaign: Campaign, counts: Any) -> dict[str, Any]:
@@ -32,32 +30,21 @@ def profile_settings(campaign: Campaign, counts: Any) -> dict[str, Any]:
 def emulation_settings(campaign: Campaign, item: str) -> dict[str, Any]:
     """Settings of one run. Of the other runs they hold only the place of this run among them."""
     assert campaign.rig is not None
-    run, shared = campaign.mountings[item], campaign.shared_settings
-    if run.specimen not in shared:  # the same objects for all runs of a specimen: each is converted for keys once
-        shared[run.specimen] = _of_specimen(campaign.rig, run.specimen)
+    run = campaign.mountings[item]
+    experiment, emulated, placeless = campaign.emulations[run.specimen]
     changed = _changed_guards()
     return (
-        {"run": run, "order": campaign.places[item], **shared[run.specimen]}
+        {
+            "run": run,
+            "order": campaign.places[item],
+            "experiment": experiment,
+            "rig": campaign.rig.rig,
+            # where tables lie is no part of the key: they are files
+            "emulated": Keyed(emulated, placeless) if emulated.domes else emulated,
+        }
         | ({"changed_guards": changed} if changed else {})
         | _other_actuator(campaign.rig.devices.actuator)
     )
-
-
-def _of_specimen(file: RigFile, specimen: str) -> dict[str, Any]:
-    """Settings that all runs of a specimen have in common."""
-    assert file.emulated is not None
-    schedule_of = {one: other for one, other in file.experiment.schedule_of.items() if one == specimen}
-    alone: dict[str, Any] = {"specimens": (specimen,), "angles_deg": {}, "mountings": 1, "order": "listed", "seed": 0}
-    return {
-        "experiment": replace(file.experiment, schedule_of=schedule_of, **alone),
-        "rig": file.rig,
-        "emulated": _keyed(file.emulated.of(specimen)),
-    }
-
-
-def _keyed(emulated: EmulatedSettings) -> EmulatedSettings | Keyed:
-    """Where tables lie is no part of the key: they are files."""
-    return Keyed(emulated, replace(emulated, domes=None)) if emulated.domes else emulated
 
 
 def own_domes(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:

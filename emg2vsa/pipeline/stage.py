@@ -26,9 +26,9 @@ Input = tuple[str, str]
 class Given:
     """What ``run`` gets.
 
-    settings : what ``Stage.settings`` returned. files : what ``Stage.files`` returned. inputs : stage to the results of
-    its steps, in the study's order; steps that failed are left out. failures : (item, stage, message) of every failed
-    step, for a stage that tells them. folder : where a stage that writes files writes them.
+    settings : what ``Stage.settings`` returned. files : the paths that ``Stage.files`` returned. inputs : stage to the
+    results of its steps, in the study's order; steps that failed are left out. failures : (item, stage, message) of
+    every failed step, for a stage that tells them. folder : where a stage that writes files writes them.
     """
 
     item: str
@@ -101,7 +101,7 @@ class Stage:
     run: Callable[[Given], Any]
     needs: tuple[str, ...] = ()
     settings: Callable[[Campaign, str], dict[str, Any]] = nothing
-    files: Callable[[Campaign, str], Mapping[str, Sequence[Path]]] = nothing
+    files: Callable[[Campaign, str], Mapping[str, Sequence[str | Path]]] = nothing
     takes: Callable[[Campaign, str], Sequence[Input]] | None = None
     folder: Callable[[Campaign, str], Path] | None = None
     alone_in: Callable[[Campaign, str], Path] | None = None

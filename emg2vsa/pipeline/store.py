@@ -38,9 +38,26 @@ class WrittenFiles:
 
     def besides(self, folder: Path, inner: Path) -> str:
         """A file in ``inner``, in ``folder``, that is none of them; "" for none. Hidden ones do not count."""
-        above, known = f"{folder}{os.sep}", set(self.names)
-        shown = (f"{parent}{os.sep}{name}" for parent, _, names in os.walk(inner) for name in names if name[0] != ".")
-        return min({path.removeprefix(above).replace(os.sep, "/") for path in shown} - known, default="")
+        above, known = len(f"{folder}{os.sep}"), set(self.names)
+        shown = (path[above:].replace(os.sep, "/") for path in _shown(str(inner)))
+        return min((name for name in shown if name not in known), default="")
+
+
+def _shown(folder: str) -> Iterator[str]:
+    """The files in a folder and in those below, but hidden ones. Links to folders are not followed."""
+    with contextlib.suppress(OSError), os.scandir(folder) as entries:
+        for entry in entries:
+            if _is_folder(entry):
+                yield from () if entry.is_symlink() else _shown(entry.path)
+            elif entry.name[0] != ".":
+                yield entry.path
+
+
+def _is_folder(entry: os.DirEntry[str]) -> bool:
+    try:
+        return entry.is_dir()
+    except OSError:  # a link that leads to itself
+        return False
 
 
 def written_files(folder: Path, paths: Sequence[Path]) -> WrittenFiles:
@@ -58,13 +75,13 @@ class Store:
     def __init__(self, folder: Path, below: Path | None = None) -> None:
         self.folder, self.below = folder, below
 
-    def path(self, step: str, key: str) -> Path:
+    def path(self, step: str, key: str) -> str:
         """Where the result of a step with this key is, or will be."""
-        return Path(f"{self.folder}/store/{step}/{key}.result")
+        return f"{self.folder}/store/{step}/{key}.result"
 
-    def path_below(self, step: str, key: str) -> Path | None:
+    def path_below(self, step: str, key: str) -> str | None:
         """The same in the store below; None where there is none."""
-        return None if self.below is None else Path(f"{self.below}/store/{step}/{key}.result")
+        return None if self.below is None else f"{self.below}/store/{step}/{key}.result"
 
     def unfinished(self, step: str, key: str) -> Path:
         """Where a step writes its result before it is known to hold."""
@@ -74,9 +91,9 @@ class Store:
         """The claim of the process that works at a step."""
         return self.folder / "under-way" / f"{_flat(step)}.json"
 
-    def settle(self, unfinished: Path, step: str, key: str) -> Path:
+    def settle(self, unfinished: Path, step: str, key: str) -> str:
         """Give a result its place."""
-        path = self.path(step, key)
+        path = Path(self.path(step, key))
         for folder in (each for each in path.parents if each.is_relative_to(self.folder / "store")):
             if folder.exists() and not folder.is_dir():
                 set_aside(folder, self.folder)
@@ -84,7 +101,7 @@ class Store:
         if path.is_dir():
             set_aside(path, self.folder)
         os.replace(unfinished, path)
-        return path
+        return str(path)
 
     def sweep(self) -> None:
         """Remove what killed processes left; only the holder of the study's lock may."""
@@ -94,13 +111,14 @@ class Store:
 
     def results(self, step: str) -> list[Path]:
         """All results of a step."""
-        return sorted(path for path in self.path(step, "x").parent.glob("*.result") if not path.is_dir())
+        return sorted(path for path in (self.folder / "store" / step).glob("*.result") if not path.is_dir())
 
-    def keep_only(self, step: str, keys: Sequence[str]) -> None:
-        """Remove the results of a step with other keys."""
-        for path in self.results(step):
-            if path.stem not in keys:
-                path.unlink(missing_ok=True)
+    def keep_only(self, step: str, keys: Sequence[str]) -> list[Path]:
+        """Remove the results of a step with other keys, and say which."""
+        removed = [path for path in self.results(step) if path.stem not in keys]
+        for path in removed:
+            path.unlink(missing_ok=True)
+        return removed
 
     def drop_empty_folders(self) -> None:
         """Remove folders that hold no result any more."""

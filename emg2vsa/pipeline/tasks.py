@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import traceback
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -73,6 +72,8 @@ class Task:
             what = (error.strerror or str(error)).rstrip(".")
             return Ended(self.step, "failed", f"{where}{what}. Mend that, and run the study again.")
         except Exception as error:
+            import traceback
+
             frame = traceback.extract_tb(error.__traceback__)[-1]
             place = f"{Path(frame.filename).name}:{frame.lineno}"
             what = f"unexpected {type(error).__name__} in {place}: {error}"

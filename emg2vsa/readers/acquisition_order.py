@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
 import math
+import os
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -24,9 +26,17 @@ Cell = tuple[str, str]
 
 def order_files(recordings: Iterable[Path], data: Path) -> list[Path]:
     """The files that tell the order of ``recordings``, which lie in ``data``; none where nothing was written down."""
-    folders = dict.fromkeys(folder for path in recordings for folder in (path.parent, path.parent.parent))
-    scans = [path for folder in folders for path in sorted(folder.glob(f"*{SCANS}"))]
+    inner = dict.fromkeys(map(os.path.dirname, recordings))
+    folders = dict.fromkeys(folder for own in inner for folder in (own, os.path.dirname(own)))
+    scans = [Path(folder, name) for folder in folders for name in sorted(_names(folder)) if name.endswith(SCANS)]
     return scans + [path for folder in _TABLES_IN if (path := data / folder / ORDER).is_file()][:1]
+
+
+def _names(folder: str) -> list[str]:
+    """Names in a folder; none where it cannot be listed."""
+    with contextlib.suppress(OSError):
+        return os.listdir(folder or os.curdir)
+    return []
 
 
 def places(

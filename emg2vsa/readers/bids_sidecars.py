@@ -9,7 +9,7 @@ from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from emg2vsa.errors import RecordingError
 from emg2vsa.readers.units import canonical
@@ -19,8 +19,7 @@ _EXTENSIONS = (".edf", ".bdf")
 _MOST_LEVELS = 4  # root, subject, session, emg
 
 
-@dataclass(frozen=True)
-class SideChannel:
+class SideChannel(NamedTuple):
     """One row of ``_channels.tsv``; None where the column is absent or "n/a"."""
 
     unit: str | None = None
@@ -90,7 +89,7 @@ class SideFileIndex:
         return found[:1]
 
 
-def side_file_paths(path: Path, index: SideFileIndex | None = None) -> tuple[Path, ...]:
+def side_file_paths(path: Path, index: SideFileIndex | None = None) -> tuple[str, ...]:
     """Every side file that reading ``path`` consults; () where its name is none of BIDS-EMG or it has none.
 
     They are looked for in the recording's folder and, where a dataset_description.json marks the root of a data set,
@@ -105,8 +104,8 @@ def side_files(path: Path) -> SideFiles:
     tables, levels = _applying(path, SideFileIndex())
     emg: dict[str, Any] = {}
     for level in levels:
-        emg.update(_json(level))
-    return SideFiles(_channels(tables[0]) if tables else {}, emg)
+        emg.update(_json(Path(level)))
+    return SideFiles(_channels(Path(tables[0])) if tables else {}, emg)
 
 
 _EQUIPMENT = (
@@ -123,8 +122,7 @@ def equipment(path: Path) -> tuple[str, ...]:
     return tuple(f"{key}: {text}" for key, text in stated.items() if text and not text.startswith("n/a"))
 
 
-@dataclass(frozen=True)
-class _Folder:
+class _Folder(NamedTuple):
     """names : of all that it holds. tables, emg : its side files, by `_by_entity`."""
 
     names: frozenset[str]
@@ -161,7 +159,7 @@ def _by_entity(folder: str, names: Sequence[str], ending: str) -> _ByEntity:
     return found
 
 
-def _applying(path: Path, index: SideFileIndex) -> tuple[list[Path], list[Path]]:
+def _applying(path: Path, index: SideFileIndex) -> tuple[list[str], list[str]]:
     """The ``_channels.tsv`` and ``_emg.json`` that apply by the inheritance principle, these the most general first."""
     folder, name = os.path.split(path)
     stem, extension = os.path.splitext(name)
@@ -169,13 +167,14 @@ def _applying(path: Path, index: SideFileIndex) -> tuple[list[Path], list[Path]]
         return [], []
     own = {"", *stem.split("_")[:-1]}
     chain = index.chain(folder if os.path.isabs(folder) else os.path.join(os.getcwd(), folder).rstrip(os.sep))
-    kinds = [level.tables for level in chain], [level.emg for level in chain]
-    tables, emg = ([file for level in levels for file in _fitting(level, own)] for levels in kinds)
-    return [Path(file) for file in tables[-1:]], [Path(file) for file in emg]
+    tables = [file for level in chain for file in _fitting(level.tables, own)]
+    return tables[-1:], [file for level in chain for file in _fitting(level.emg, own)]
 
 
 def _fitting(files: _ByEntity, own: set[str]) -> list[str]:
     """Those whose entities are all the recording's own, the most general first."""
+    if not files:
+        return []
     fitting = [file for entity in own if entity in files for entities, file in files[entity] if entities <= own]
     return sorted(fitting, key=lambda file: (len(file), file)) if len(fitting) > 1 else fitting
 
@@ -221,15 +220,22 @@ def _side_channel(path: Path, line: int, row: Mapping[str, str | None]) -> SideC
     return SideChannel(canonical(unit) if unit else None, fs_hz, cell("status"), cell("status_description"))
 
 
-def session_events(recording: Path, index: SideFileIndex | None = None) -> Path | None:
+def events_beside(recording: Path, index: SideFileIndex) -> tuple[str, ...]:
+    """The events file of a recording, whoever made it; () for none."""
+    path = _events_of(recording)
+    return (path,) if path and index.holds(*os.path.split(path)) else ()
+
+
+def _events_of(recording: Path) -> str:
+    """Where the events of a recording are, if it has any; "" where its name is none of BIDS-EMG."""
+    stem = os.path.splitext(recording)[0]
+    return f"{stem.removesuffix('emg')}events.tsv" if stem.endswith("_emg") else ""
+
+
+def session_events(recording: Path) -> Path | None:
     """The events file of a recording that a session of emg2vsa made, known by its columns; None for any other."""
-    stem = recording.stem
-    if not stem.endswith("_emg"):
+    if not (path := _events_of(recording)):
         return None
-    name = f"{stem.removesuffix('_emg')}_events.tsv"
-    if index is not None and not index.holds(os.path.dirname(recording), name):
-        return None
-    path = os.path.join(os.path.dirname(recording), name)
     try:
         with open(path, "rb") as file:
             head = file.readline().decode("utf-8-sig").rstrip("\r\n").split("\t")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from statistics import fmean, stdev
 
 from emg2vsa.study import Person
 
@@ -28,6 +27,8 @@ def about_people(people: Sequence[Person]) -> str:
             said.append(", ".join(f"{n} {kind}" for kind, n in sorted(counts.items())))
     years = [float(person.age.rstrip("+")) for person in people if person.age]
     if years:
+        from statistics import fmean, stdev  # planning a study without ages does without it
+
         sd = stdev(years) if len(years) > 1 else 0.0
         known = f" ({len(years)} of {len(people)})" if len(years) < len(people) else ""
         said.append(f"aged {min(years):g} to {max(years):g} years, mean {fmean(years):.1f}, SD {sd:.1f}{known}")

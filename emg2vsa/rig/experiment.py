@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple
 
 from emg2vsa.errors import ScheduleError
 from emg2vsa.random_order import random_numbers, shuffled
 from emg2vsa.rig.plan import RIGID, Condition, RunPlan
 from emg2vsa.settings import Ge, Gt, Le, MinLen
+from emg2vsa.settings_class import settings_class
 
 if TYPE_CHECKING:
     from emg2vsa.schedules import Schedule
@@ -44,7 +45,7 @@ class Run(NamedTuple):
         return run_name(*self)
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ExperimentSettings:
     """What is pressed, and how."""
 
@@ -102,7 +103,7 @@ class ExperimentSettings:
         return tuple(shuffled(listed, random_numbers(f"{self.seed}\nruns"))) if self.order == "random" else listed
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class PlateSettings:
     """Indentation of specimens by a flat plate on the rigid motor, for their stiffness (paper, section IV.B)."""
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -12,12 +12,13 @@ from emg2vsa.devices.device_settings import LOST_S, ActuatorSettings, CameraSett
 from emg2vsa.devices.qbmove import MotorSettings
 from emg2vsa.devices.qbmove.ticks import in_degrees
 from emg2vsa.settings import Ge, Gt, Le, NonNegative, Positive
+from emg2vsa.settings_class import settings_class
 
 if TYPE_CHECKING:
     from emg2vsa.devices.protocols import ForceSample
 
 
-@dataclass(frozen=True)
+@settings_class
 class GuardSettings:
     """Limits beyond which a run ends, each with a bound that no rig file may pass. The paper gives none: where nothing
     is said of its source a value is a guess, to be set for each rig."""
@@ -73,7 +74,7 @@ Doubtful = tuple[Annotated[float, Ge(0), Le(100)], Annotated[float, Ge(0), Le(10
 """Percent beyond which a press is doubtful, and beyond which it is rejected."""
 
 
-@dataclass(frozen=True)
+@settings_class
 class LossSettings:
     """How much of a press may be missing: two percentages, beyond which it is doubtful, and beyond which rejected."""
 
@@ -87,7 +88,7 @@ class LossSettings:
     "Frames between the first and the last of the press."
 
 
-@dataclass(frozen=True)
+@settings_class
 class RigSettings:
     """One rig. Depth is the travel of the probe from its retracted position towards the specimen, mm."""
 
@@ -166,7 +167,7 @@ def axis_of(rig: Mapping[str, Any]) -> RigSettings:
     return RigSettings(**{name: found[name] for name in ("gear_mm_per_degree", "home_deg", "push_sign")})
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class DeviceSettings:
     """All devices of a rig, each of the kind that its table in rig.toml names. motor : None without a rigid motor.
     camera : None where no frames are wanted."""

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from pathlib import Path
 from typing import Annotated
 
@@ -15,10 +15,11 @@ from emg2vsa.errors import ScheduleError
 from emg2vsa.rig.experiment import ExperimentSettings, PlateSettings
 from emg2vsa.rig.rig_settings import DeviceSettings, RigSettings
 from emg2vsa.settings import Tagged
+from emg2vsa.settings_class import settings_class
 from emg2vsa.worlds.bench.settings import EmulatedSettings
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ExperimentTable(ExperimentSettings):
     """What is pressed and how, and where its files are. Paths are relative to the folder of the rig file."""
 
@@ -28,7 +29,7 @@ class ExperimentTable(ExperimentSettings):
     "Folder in which each run gets a folder of its own."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class RigTables:
     """A whole rig file."""
 
@@ -50,7 +51,7 @@ class RigTables:
     "The bench that emg2vsa rig emulate and emg2vsa rig run --virtual put in place of a real one."
 
 
-@dataclass(frozen=True)
+@settings_class
 class RigFile:
     """One rig and its experiment."""
 

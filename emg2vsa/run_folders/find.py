@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import difflib
 import json
 from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass
@@ -202,7 +201,9 @@ def _check_names(row: _Found, specimens: Collection[str]) -> None:
 def _nearest(name: str, known: Collection[str]) -> str:
     """The known name that ``name`` is, but for a slip of the keys, case, or what joins its words."""
     plain = {_plain(other): other for other in known}
-    near = difflib.get_close_matches(_plain(name), plain, n=1, cutoff=_NEAR)
+    from difflib import get_close_matches  # a folder of runs with known names does without it
+
+    near = get_close_matches(_plain(name), plain, n=1, cutoff=_NEAR)
     return plain[near[0]] if near else ""
 
 

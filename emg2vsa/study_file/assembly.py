@@ -30,7 +30,7 @@ from emg2vsa.study_file.tables import (
     StudyFile,
     overlaid,
 )
-from emg2vsa.study_file.toml_file import beside, reports_beside
+from emg2vsa.study_file.toml_file import beside, reports_beside, spelled_beside
 
 
 def study_of(path: str, file: StudyFile, people: tuple[Person, ...], raw: Mapping[str, Any]) -> Study:
@@ -161,8 +161,10 @@ def _at_visits(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> d
     """The files of every cell at the visits at which anything of its participant was recorded; at the first without."""
     found: dict[Cell, list[Files]] = {cell: [] for cell in cells}
     for who in dict.fromkeys(cell[0] for cell in cells):
-        folders = beside(folder, f"{table.root}/sub-{who}").glob("ses-*")
-        for path in sorted(each for each in folders if each.name[4:] not in table.visits):
+        own_folder = spelled_beside(folder, f"{table.root}/sub-{who}")
+        names = sorted(os.listdir(own_folder)) if os.path.isdir(own_folder) else []
+        for name in (each for each in names if each.startswith("ses-") and each[4:] not in table.visits):
+            path = Path(own_folder, name)
             if any(path.glob(f"emg/*_task-{table.task}_acq-*_emg.{table.extension}")):
                 raise SettingError(
                     path, wanted=f"a visit of [recordings] visits ({', '.join(table.visits) or 'none'})",
@@ -172,7 +174,7 @@ def _at_visits(folder: Path, table: RecordingsTable, cells: Sequence[Cell]) -> d
     at = {visit: _bids(folder, table, cells, visit) for visit in table.visits or ("",)}
     first = next(iter(at))
     for visit, own in at.items() if len(at) > 1 else ():
-        there = {cell[0] for cell in cells for one in own[cell].values() if beside(folder, one.file).exists()}
+        there = {cell[0] for cell in cells for one in own[cell].values() if _is_there(folder, one)}
         for cell in cells:
             if cell[0] in there:
                 found[cell] += [(one, None, visit) for one in own[cell].values()]
@@ -184,9 +186,13 @@ def _bids(folder: Path, table: RecordingsTable, cells: Sequence[Cell], visit: st
     above, ses = (f"/ses-{visit}", f"_ses-{visit}") if visit else ("", "")
     stem = f"{table.root}/sub-{{participant}}{above}/emg/sub-{{participant}}{ses}_task-{table.task}_acq-{{specimen}}"
     single = files_by_cell(folder, f"{stem}_emg.{table.extension}", cells)
-    absent = [cell for cell in cells if not beside(folder, single[cell][0].file).exists()]
+    absent = [cell for cell in cells if not _is_there(folder, single[cell][0])]
     runs = files_by_cell(folder, f"{stem}_run-{REPETITION}_emg.{table.extension}", absent)
     return single | {cell: numbered for cell, numbered in runs.items() if 0 not in numbered}
+
+
+def _is_there(folder: Path, found: Found) -> bool:
+    return os.path.exists(spelled_beside(folder, found.file))
 
 
 def _parts(

@@ -8,8 +8,9 @@ from __future__ import annotations
 import glob
 import os
 import re
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from typing import NamedTuple
 
 from emg2vsa.study_file.toml_file import beside
 
@@ -22,8 +23,7 @@ Cell = tuple[str, str]
 """Participant and specimen."""
 
 
-@dataclass(frozen=True)
-class Found:
+class Found(NamedTuple):
     """One file of a cell, as the study file would write it. fault : why it may be the wrong one; "" where it is not."""
 
     file: str
@@ -50,7 +50,11 @@ def files_by_cell(folder: str | os.PathLike[str], pattern: str, cells: Iterable[
         return {cell: {0: Found(filled(pattern, cell))} for cell in cells}
     present = sorted(_present(folder, pattern))
     claimed = {cell: _claimed(filled(pattern, cell), present) for cell in cells}
-    return {cell: _one_each(claimed, cell) or {0: Found(filled(pattern, cell))} for cell in cells}
+    claimants: dict[str, list[Cell]] = {}
+    for cell, files in claimed.items():
+        for _, name in files:
+            claimants.setdefault(name, []).append(cell)
+    return {cell: _one_each(cell, claimed[cell], claimants) or {0: Found(filled(pattern, cell))} for cell in cells}
 
 
 def _present(folder: str | os.PathLike[str], pattern: str) -> list[str]:
@@ -63,7 +67,7 @@ def _present(folder: str | os.PathLike[str], pattern: str) -> list[str]:
 
 
 def _claimed(pattern: str, present: list[str]) -> list[tuple[int, str]]:
-    """(repetition, file) of what a cell's pattern matches."""
+    """(repetition, file) of what a cell's pattern matches. present : sorted, so that few are looked at."""
     parts = PLACEHOLDER.split(pattern)
     texts = {"*": "[^/]*", REPETITION: "([0-9]+)"}
     first = True
@@ -76,16 +80,18 @@ def _claimed(pattern: str, present: list[str]) -> list[tuple[int, str]]:
         else:
             expression += texts.get(text, "")
             first = first and text != REPETITION
-    matches = ((re.fullmatch(expression, name), name) for name in present)
+    start, size = parts[0], len(parts[0])
+    names = present[bisect_left(present, start) : bisect_right(present, start, key=lambda name: name[:size])]
+    matches = ((re.fullmatch(expression, name), name) for name in names)
     return [(int(match[1]) if match.re.groups else 0, name) for match, name in matches if match]
 
 
-def _one_each(claimed: Mapping[Cell, list[tuple[int, str]]], cell: Cell) -> dict[int, Found]:
+def _one_each(cell: Cell, claimed: list[tuple[int, str]], claimants: Mapping[str, list[Cell]]) -> dict[int, Found]:
+    """The file of each repetition of a cell. claimants : file to all cells whose patterns match it."""
     found: dict[int, Found] = {}
-    for repetition in sorted({number for number, _ in claimed[cell]}):
-        names = [name for number, name in claimed[cell] if number == repetition]
-        others = [f"{'/'.join(other)}" for other, files in claimed.items() if other != cell
-                  if any(name in names for _, name in files)]  # fmt: skip
+    for repetition in sorted({number for number, _ in claimed}):
+        names = [name for number, name in claimed if number == repetition]
+        others = ["/".join(other) for other in claimants[names[0]] if other != cell]
         fault = ""
         if len(names) > 1:
             shown = [os.path.basename(name) for name in names[:_SHOWN]]

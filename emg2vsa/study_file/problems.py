@@ -7,7 +7,6 @@ be left out. A problem tells the place, what was wanted, what was found and what
 
 from __future__ import annotations
 
-import difflib
 import json
 import math
 import operator
@@ -61,7 +60,9 @@ def shown(value: object) -> str:
 
 def nearest(name: str, known: Iterable[str], else_say: str = "") -> str:
     """A question for the nearest known name, or ``else_say``."""
-    near = difflib.get_close_matches(name, list(known), n=1, cutoff=0.5)
+    from difflib import get_close_matches  # a file without faults does without it
+
+    near = get_close_matches(name, list(known), n=1, cutoff=0.5)
     return f"Did you mean {near[0]!r}?" if near else else_say
 
 

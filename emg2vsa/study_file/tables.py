@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Annotated, Literal, TypeVar
 
 from emg2vsa.session_settings import SessionSettings
@@ -22,6 +22,7 @@ from emg2vsa.settings import (
     StageSettings,
     WindowSettings,
 )
+from emg2vsa.settings_class import settings_class
 from emg2vsa.study_file.problems import Pattern
 
 _WANTED = "letters, digits, - _ and dots only, the first a letter or digit"
@@ -34,7 +35,7 @@ number.
 """
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class StudyTable:
     """What the study is called, and where its outcomes go. Paths are relative to the folder of the study file."""
 
@@ -52,7 +53,7 @@ class StudyTable:
     "Registration that the study is compared with (emg2vsa register); omitted: registration.json beside it, if there."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class ParticipantsTable:
     """Who took part: either ``ids`` or ``file``."""
 
@@ -62,7 +63,7 @@ class ParticipantsTable:
     "Tab-separated table with a participant_id column, as in BIDS; age, sex and handedness go into the methods text."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class SpecimenTable:
     """A soft specimen."""
 
@@ -87,7 +88,7 @@ class SpecimenTable:
     "Whether the ends of the cylinder slide between the plates, as lubricated ones do, or cannot."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class FileChannels:
     """The channels of one recording, where they are not the study's."""
 
@@ -97,7 +98,7 @@ class FileChannels:
     "The pressing force; replaces the study's [channels.force]."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class FileTable:
     """One recording: named here, or found by the layout and only changed here.
 
@@ -120,7 +121,7 @@ class FileTable:
     "Keys that replace the study's [window] for this recording, all but force_n; the others keep."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class RecordingsTable:
     """Where the recordings are. Paths are relative to the folder of the study file."""
 
@@ -143,7 +144,7 @@ class RecordingsTable:
     "Recordings named one by one, and exceptions from the layout."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class RunsTable(RunSettings):
     """The rig's runs, and how their presses are scored. Paths are relative to the folder of the study file."""
 
@@ -158,7 +159,7 @@ class RunsTable(RunSettings):
     specimen of known height_mm are scored by tables of that height, or between two of them."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class JudgementTable:
     """A person's word on a press, for [[exclude]] and [[accept]]; it is told wherever the press is."""
 
@@ -172,7 +173,7 @@ class JudgementTable:
     "Why, in a few words."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class MvcTable:
     """A recording of maximum voluntary contractions, for normalise = "mvc"."""
 
@@ -182,7 +183,7 @@ class MvcTable:
     "File with the EMG channels of the study; of several of one participant the largest level of a muscle counts."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class Recorded:
     """Who pressed what, and what was recorded of it."""
 
@@ -204,7 +205,7 @@ class Recorded:
     "Presses that a person takes as ok; one without a fit stays rejected, and a fault needs the whole recording."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class StudyFile(StageSettings, Recorded):
     """A whole study file."""
 

@@ -17,7 +17,12 @@ from emg2vsa.study_file.problems import KeyPath, Problem
 
 def beside(folder: Path, path: str) -> Path:
     """``path`` relative to ``folder``, without the dots; nothing of it need exist."""
-    return Path(os.path.normpath(os.path.join(folder, path)))
+    return Path(spelled_beside(folder, path))
+
+
+def spelled_beside(folder: str | Path, path: str) -> str:
+    """The same as text, for thousands of which few are kept."""
+    return os.path.normpath(os.path.join(folder, path))
 
 
 def reports_beside(folder: Path, name: str) -> Path:

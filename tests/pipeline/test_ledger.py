@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import random
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -125,8 +124,7 @@ def test_compact_keeps_the_newest_and_the_one_before(tmp_path: Path) -> None:
 
 
 def test_differences_name_the_leaf() -> None:
-    new = replace(
-        PARTS,
+    new = PARTS._replace(
         settings=part_of({"fit": {"bin_n": 0.2, "robust": True}}),
         files={"a.bdf": "missing", "b.tsv": "1"},
         inputs={"trials/P1/S2": "k"},
@@ -147,8 +145,8 @@ def test_differences_name_the_leaf() -> None:
 
 @pytest.mark.parametrize("name", ["files", "inputs"])
 def test_another_order_is_told_where_nothing_else_changed(name: str) -> None:
-    one = replace(PARTS, **{name: {"a": "1", "b": "2"}})
-    other = replace(PARTS, **{name: {"b": "2", "a": "1"}})
+    one = PARTS._replace(**{name: {"a": "1", "b": "2"}})
+    other = PARTS._replace(**{name: {"b": "2", "a": "1"}})
     assert differences(one, other) == [f"the order of its {name} changed"]
     assert differences(one, one) == []
-    assert differences(one, replace(other, **{name: {"b": "2", "a": "3"}})) != [f"the order of its {name} changed"]
+    assert differences(one, other._replace(**{name: {"b": "2", "a": "3"}})) != [f"the order of its {name} changed"]

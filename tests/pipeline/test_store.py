@@ -42,7 +42,7 @@ def test_a_claim_that_cannot_be_read_is_another_process(tmp_path: Path, content:
 def test_sweep_removes_what_killed_processes_left_and_nothing_else(tmp_path: Path) -> None:
     store = Store(tmp_path)
     store.sweep()
-    result = store.path("fits/P1/S1", "k")
+    result = Path(store.path("fits/P1/S1", "k"))
     for path in (store.unfinished("fits/P1/S1", "k"), store.claim("fits/P1/S1"), result):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps({}))
@@ -56,10 +56,10 @@ def test_settled_results_are_found_kept_and_dropped(tmp_path: Path) -> None:
         unfinished = store.unfinished("fits/P1/S1", key)
         unfinished.parent.mkdir(exist_ok=True)
         unfinished.write_text(key)
-        assert store.settle(unfinished, "fits/P1/S1", key).read_text() == key
+        assert Path(store.settle(unfinished, "fits/P1/S1", key)).read_text() == key
         assert not unfinished.exists()
     assert [path.stem for path in store.results("fits/P1/S1")] == ["k1", "k2", "k3"]
-    store.keep_only("fits/P1/S1", ["k2"])
+    assert [path.stem for path in store.keep_only("fits/P1/S1", ["k2"])] == ["k1", "k3"]
     assert [path.stem for path in store.results("fits/P1/S1")] == ["k2"]
     assert list(store.stored_steps()) == ["fits/P1/S1"]
     store.keep_only("fits/P1/S1", [])

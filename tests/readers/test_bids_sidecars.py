@@ -104,26 +104,26 @@ def test_inheritance_keeps_what_fits_and_puts_the_general_first(tmp_path: Path) 
         tmp_path, *kept, "dataset_description.json", OWN, "task-grasp_emg.json", "acq-S2_channels.tsv", "myemg.json",
         "sub-01/sub-01_ses-b_emg.json", "sub-02/sub-02_emg.json", "sub-01/ses-a/emg/sub-01_ses-a_task-press_events.tsv",
     )  # fmt: skip
-    assert side_file_paths(tmp_path / OWN) == tuple(tmp_path / name for name in kept)
+    assert side_file_paths(tmp_path / OWN) == tuple(str(tmp_path / name) for name in kept)
 
 
 def test_the_nearest_channels_table_is_the_one_that_counts(tmp_path: Path) -> None:
     make(tmp_path, "dataset_description.json", "task-press_channels.tsv", OWN)
-    assert side_file_paths(tmp_path / OWN) == (tmp_path / "task-press_channels.tsv",)
+    assert side_file_paths(tmp_path / OWN) == (str(tmp_path / "task-press_channels.tsv"),)
     near = OWN.replace("emg.bdf", "channels.tsv")
     make(tmp_path, near)
-    assert side_file_paths(tmp_path / OWN) == (tmp_path / near,)
+    assert side_file_paths(tmp_path / OWN) == (str(tmp_path / near),)
 
 
 def test_without_a_root_only_the_own_folder_counts(tmp_path: Path) -> None:
     make(tmp_path, "task-press_emg.json", OWN, own := OWN.replace(".bdf", ".json"))
-    assert side_file_paths(tmp_path / OWN) == (tmp_path / own,)
+    assert side_file_paths(tmp_path / OWN) == (str(tmp_path / own),)
 
 
 def test_a_relative_path_finds_the_same_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     make(tmp_path, "dataset_description.json", "task-press_emg.json", OWN)
     monkeypatch.chdir((tmp_path / OWN).parent)
-    assert side_file_paths(Path(Path(OWN).name)) == (tmp_path / "task-press_emg.json",)
+    assert side_file_paths(Path(Path(OWN).name)) == (str(tmp_path / "task-press_emg.json"),)
 
 
 @pytest.mark.parametrize(
@@ -140,7 +140,7 @@ def test_what_is_read_are_the_paths_named(tmp_path: Path, monkeypatch: pytest.Mo
     theirs = Path.open
     monkeypatch.setattr(Path, "open", lambda self, *args, **how: opened.append(self) or theirs(self, *args, **how))
     side_files(path)
-    assert sorted(opened) == sorted(side_file_paths(path))
+    assert sorted(map(str, opened)) == sorted(side_file_paths(path))
 
 
 def test_real_example(shared_data) -> None:
@@ -153,7 +153,7 @@ def test_real_example(shared_data) -> None:
     theirs = mne.io.read_raw_edf(path, include=["EMG4"], verbose="error").get_data()[0]
     np.testing.assert_allclose(recording.channels[0].samples, theirs, rtol=1e-9, atol=1e-15)
     assert "channels.tsv V; the header counts" in recording.notes[0]
-    assert [p.name for p in side_file_paths(path)] == [
+    assert [Path(p).name for p in side_file_paths(path)] == [
         "sub-01_task-grasping_channels.tsv",
         "sub-01_task-grasping_emg.json",
     ]
@@ -173,7 +173,7 @@ def test_an_index_lists_each_folder_once_and_finds_the_same(tmp_path: Path, monk
                 (folder / f"{stem}_{ending}").touch()
         (folder / f"sub-{participant}_channels.tsv").touch()
     alone = [side_file_paths(path) for path in recordings]
-    assert [path.name for path in alone[7]] == [
+    assert [Path(path).name for path in alone[7]] == [
         "sub-1_task-press_run-2_channels.tsv", "task-press_emg.json", "sub-1_task-press_run-2_emg.json"
     ]  # fmt: skip
     listed = []

@@ -94,4 +94,4 @@ def test_side_files_of_maximum_contractions_are_files_of_the_step(tmp_path: Path
     study.write_text(study_of_files() + mvc)
     of = files(campaign(load_study(study)), "P01/S1")
     assert [path.name for path in of["mvc"]] == ["P01_mvc_emg.edf"]
-    assert [path.name for path in of["beside"]] == ["P01_mvc_channels.tsv"]
+    assert [Path(path).name for path in of["beside"]] == ["P01_mvc_channels.tsv"]

@@ -6,12 +6,12 @@ Here: how one is reached and what it may do, the table [actuator] of rig.toml wi
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from emg2vsa.devices.device_settings import ActuatorSettings
 from emg2vsa.devices.registry import Kind, Wrong
 from emg2vsa.settings import Ge, Le, Positive
+from emg2vsa.settings_class import settings_class
 
 Model = Literal["xm430-w350", "xm430-w210", "xh430-w350", "xh430-w210", "xm540-w150", "xm540-w270"]
 Baud = Literal[9_600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000]
@@ -21,7 +21,7 @@ REPLY_S = 0.016
 """Three attempts of it, and a turn of the loop before them, name a dead motor within 60 ms."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class DynamixelSettings(ActuatorSettings):
     """A Dynamixel X-series motor with current sensing; its position gain is the joint's stiffness."""
 

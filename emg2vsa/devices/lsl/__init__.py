@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Literal
 
 from emg2vsa.devices.device_settings import Channels, alike
 from emg2vsa.devices.registry import Kind, Wrong
 from emg2vsa.session_settings import EmgSettings, SessionForceSettings, Text
+from emg2vsa.settings_class import settings_class
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class LslEmgSettings(EmgSettings):
     """EMG from a stream of the Lab Streaming Layer."""
 
@@ -22,7 +22,7 @@ class LslEmgSettings(EmgSettings):
     "Name of the stream; omitted: the only one of type EMG."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class LslForceSettings(SessionForceSettings):
     """Force from a stream of the Lab Streaming Layer."""
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal
 
 from emg2vsa.devices.device_settings import ForceSettings, NetPort, Text
 from emg2vsa.devices.registry import Kind
+from emg2vsa.settings_class import settings_class
 
 RDT_PORT = 49152
 """UDP port of the raw data of ATI's boxes."""
@@ -14,7 +14,7 @@ INTERNAL_RATE_HZ = 7000
 """Rate at which a box samples; it sends every one, or every second, third, ..."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class NetFtSettings(ForceSettings):
     """A Net F/T box or Ethernet Axia of ATI, on the network."""
 

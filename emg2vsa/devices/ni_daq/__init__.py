@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from emg2vsa.devices.device_settings import Channels, ForceSettings, Text, alike, not_like
 from emg2vsa.devices.registry import Kind, Wrong
 from emg2vsa.session_settings import EmgSettings
 from emg2vsa.settings import Ge, Le
+from emg2vsa.settings_class import settings_class
 
 _INPUT = r"[A-Za-z][\w-]*/ai\d+"
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class NiGaugeSettings(ForceSettings):
     """An ATI transducer whose gauges are wired to a card of National Instruments."""
 
@@ -26,7 +26,7 @@ class NiGaugeSettings(ForceSettings):
     "The transducer's .cal file, relative to the folder of the rig file."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class NiEmgSettings(EmgSettings):
     """An amplifier behind analogue inputs of a card of National Instruments."""
 

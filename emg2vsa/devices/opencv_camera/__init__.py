@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from emg2vsa.devices.device_settings import CameraSettings, Text
 from emg2vsa.devices.registry import Kind
 from emg2vsa.settings import Ge
+from emg2vsa.settings_class import settings_class
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class OpenCvSettings(CameraSettings):
     """A camera that OpenCV opens."""
 

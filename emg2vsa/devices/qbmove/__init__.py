@@ -5,12 +5,12 @@ Here: how they are reached, the tables [actuator] and [motor] of rig.toml.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from emg2vsa.devices.device_settings import ActuatorSettings, Text, WatchdogS
 from emg2vsa.devices.registry import Kind
 from emg2vsa.settings import Ge, Le, Positive
+from emg2vsa.settings_class import settings_class
 
 Generation = Literal["v6", "v7"]
 """Generation of a qbmove's firmware. Generations differ in acknowledgements, and in replies that do not fit one length
@@ -27,7 +27,7 @@ REPLY_S = 0.016
 """Three attempts of it, and a turn of the loop before them, name a dead board within 60 ms."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class _Board:
     """A board that speaks as a qbmove does."""
 
@@ -48,7 +48,7 @@ class _Board:
     "How long each of three attempts waits for a reply."
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class QbmoveSettings(_Board, ActuatorSettings):
     """The qbmove."""
 
@@ -62,7 +62,7 @@ class QbmoveSettings(_Board, ActuatorSettings):
         return f"qbmove-{self.model}"
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class MotorSettings(_Board):
     """The rigid motor of the condition high-stiffness: motor 1 of a board that speaks as a qbmove does."""
 

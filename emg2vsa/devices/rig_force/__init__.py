@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Literal
 
 from emg2vsa.devices.registry import Kind, Wrong
 from emg2vsa.session_settings import SessionForceSettings, Text
+from emg2vsa.settings_class import settings_class
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class RigForceSettings(SessionForceSettings):
     """The force sensor of a rig, pressed by a finger."""
 

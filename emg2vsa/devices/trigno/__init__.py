@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Literal
 
 from emg2vsa.devices.device_settings import Channels, alike, not_like
 from emg2vsa.devices.registry import Kind, Wrong
 from emg2vsa.session_settings import EmgSettings, Port, Text
+from emg2vsa.settings_class import settings_class
 
 COMMAND_PORT, EMG_PORT = 50040, 50043
 """Ports of the Trigno Control Utility (SDK guide MAN-025); the legacy ports 50041 and 50042 are not read."""
@@ -18,7 +18,7 @@ SENSOR = r"(1[0-6]|[1-9])(?:\.([1-9]))?"
 """How a channel is written: number of the sensor, and which of its EMG channels (Quattro)."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class TrignoSettings(EmgSettings):
     """Sensors of a Trigno system, which the Trigno Control Utility serves."""
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from statistics import fmean
 from typing import TYPE_CHECKING, Any
 
 from emg2vsa.pipeline.stage import Given, Keyed, Stage
@@ -45,6 +44,8 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
 
 def run(given: Given) -> Hypotheses:
     """One recording at a time: of its force bins only their mean and what the laws say of them is kept."""
+    from statistics import fmean
+
     from emg2vsa.companions.force_laws import CellErrors, cell_errors, compare_laws
     from emg2vsa.companions.law_misfit import CellMisfit, cell_misfits, compare_misfits
     from emg2vsa.companions.whole_curve import CellCurve, cell_curves, compare_curves

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from emg2vsa.errors import Emg2vsaError, PassingError, RecordingError
 from emg2vsa.pipeline.stage import Given, Stage
-from emg2vsa.readers.bids_sidecars import equipment, session_events, side_file_paths
+from emg2vsa.readers.bids_sidecars import equipment, events_beside, session_events, side_file_paths
 from emg2vsa.readers.sample_files import same_samples, sample_file_paths
 
 if TYPE_CHECKING:
@@ -38,15 +38,15 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
     }
 
 
-def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
+def files(campaign: Campaign, item: str) -> dict[str, Sequence[str | Path]]:
     folder = campaign.study.path.parent
-    found: dict[str, Sequence[Path]] = {}
+    found: dict[str, Sequence[str | Path]] = {}
     mvc = campaign.recordings[item].mvc_files
-    sides: list[Path] = [side for path in mvc for side in _beside(campaign, path)]
+    sides: list[str | Path] = [side for path in mvc for side in _beside(campaign, path)]
     for number, part in enumerate(campaign.recordings[item].parts, 1):
         own = (part.emg_file, part.force_file) if part.force_file else (part.emg_file,)
         sides += [side for path in own for side in _beside(campaign, path)]
-        sides += [events for path in own[:1] if (events := session_events(path, campaign.side_files)) is not None]
+        sides += events_beside(part.emg_file, campaign.side_files)
         calibration = part.channels.force.cal_file
         found |= {
             _role("emg", number): own[:1],
@@ -56,7 +56,7 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[Path]]:
     return {**found, "mvc": mvc, "beside": sides}
 
 
-def _beside(campaign: Campaign, path: Path) -> tuple[Path, ...]:
+def _beside(campaign: Campaign, path: Path) -> tuple[str | Path, ...]:
     return (*side_file_paths(path, campaign.side_files), *sample_file_paths(path))
 
 

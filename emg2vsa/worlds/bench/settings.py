@@ -5,13 +5,14 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, fields, replace
+from dataclasses import asdict, field, fields, replace
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
 from casr.specimens import SPECIMENS
 from emg2vsa.devices.device_settings import Text
 from emg2vsa.settings import Ge, Gt, Le, Positive
+from emg2vsa.settings_class import settings_class
 
 Share = Annotated[float, Ge(0), Le(0.75)]
 "Share of a force that a body loses between 0.1 and 10 s after a step of its depth; creep by a power law comes to 0.77."
@@ -21,7 +22,7 @@ al. 2021).
 """
 
 
-@dataclass(frozen=True, kw_only=True)
+@settings_class
 class EmulatedSettings:
     """The bench that stands in for a real one, and in what its presses differ from each other."""
 
