@@ -36,6 +36,14 @@ def uniform(shape: int | tuple[int, ...], number: float) -> NDArray[Any]:
     return array
 
 
+def aligned(rows: int, columns: int) -> Floats:
+    """An empty table that begins with a line of the processor's cache; arithmetic on numpy's own, which begin within
+    one, takes up to twice as long."""
+    room = np.empty(rows * columns + 7)
+    first = -(room.ctypes.data // room.itemsize) % 8
+    return room[first : first + rows * columns].reshape(rows, columns)
+
+
 def samples_1d(values: ArrayLike, where: str, *, at_least: int = 1) -> Floats:
     """``values`` as a contiguous float64 vector (n,), n >= ``at_least``; SignalError where it is not."""
     samples = np.ascontiguousarray(values, dtype=np.float64)

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from emg2vsa.arrays import median, quantiles, runs_of
+from emg2vsa.arrays import aligned, median, quantiles, runs_of
 
 
 @given(st.lists(st.booleans(), max_size=30))
@@ -33,3 +33,11 @@ def test_quantiles_and_median_are_those_of_numpy(n):
     shares = (0.0, 0.001, 0.05, 0.5, 0.8, 0.9995, 1.0)
     assert quantiles(np.sort(values), *shares) == pytest.approx(np.quantile(values, shares), rel=1e-14, abs=1e-15)
     assert median(values) == np.median(values)
+
+
+@pytest.mark.parametrize("rows", [1, 2, 7])
+def test_an_aligned_table_begins_with_a_line_of_the_cache(rows):
+    table = aligned(rows, 5)
+    assert table.shape == (rows, 5)
+    assert table.dtype == np.float64
+    assert table.ctypes.data % 64 == 0

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from casr.counts import count
-from emg2vsa.arrays import Floats, exponent_of, unmasked
+from emg2vsa.arrays import Floats, aligned, exponent_of, unmasked
 from emg2vsa.curves.line import WeightedRows, check_rows, fit_line, weighted_rows
 
 _WHERE = "exponential fit"
@@ -26,6 +26,8 @@ _LEFT = 1e-14  # of q after a step, by how steps have shrunk; the step of the la
 _FEW, _SHORT, _WIDE = 5, 0.5, 0.1  # of plain rows: steps of q, in standard deviations of x, and how wide a curve stays
 _CUBED_AWAY = 3e-6
 _MANY = 100
+_LEAST = 1e-140  # variances of x between this and its inverse have products that keep their digits
+_OF_FIT = np.array([[1.0], [2.0], [4.0]])  # derivatives of cumulants of weights exp(2 q z), which has q twice
 _LEAST_CONVEX = 1e-3
 _SPIKE = 1e-12  # of the curve's square, what points other than the heaviest carry
 _EPS = float(np.finfo(np.float64).eps)
@@ -50,18 +52,19 @@ def fit_exponential(x: ArrayLike, y: ArrayLike) -> ExponentialFit:
     below two points of one sign at different x, and where no exponential is nearest, so that the search for it does not
     end. DataError where the shapes do not fit.
     """
-    x, y = np.asarray(unmasked(x), dtype=np.float64), np.atleast_2d(np.asarray(unmasked(y), dtype=np.float64))
+    x, y = np.asarray(unmasked(x), dtype=np.float64), np.asarray(unmasked(y), dtype=np.float64)
+    y = y if y.ndim == 2 else np.atleast_2d(y)
     check_rows(x, y, None, _WHERE)
     size = max(1, _POINTS_AT_ONCE // max(1, y.shape[1]))
     cuts = [slice(i, i + size) for i in range(0, max(len(y), 1), size)]
     with np.errstate(divide="ignore", invalid="ignore", over="ignore", under="ignore"):
         fits = [_of_block(x if x.ndim == 1 else x[cut], y[cut]) for cut in cuts]
-    return ExponentialFit(*(np.concatenate(parts) for parts in zip(*fits, strict=True)))
+    return ExponentialFit(*(fits[0] if len(fits) == 1 else map(np.concatenate, zip(*fits, strict=True))))
 
 
 def _of_block(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats]:
     # the last digit of plain rows hangs on the rows beside them: those of few curves, which are told, do not
-    plain = _of_plain_rows(x, y) if max(len(np.atleast_2d(x)), len(y)) >= _MANY else None
+    plain = _of_plain_rows(x, y) if len(y) >= _MANY else None
     return plain or _least_squares(weighted_rows(x, y, None, _WHERE))
 
 
@@ -76,18 +79,23 @@ def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None
     if not y.size:
         return None
     # a column is a row of the data: sums of few points each are made side by side
+    y = y[0] if y.strides[0] == 0 and x.ndim == 2 else np.ascontiguousarray(y.T)
     x = np.ascontiguousarray(x.T) if x.ndim == 2 else x[:, None]
-    y = y[0] if y.strides[0] == 0 else np.ascontiguousarray(y.T)
     w, log_y = y * y, np.log(y)
-    total = np.sum(w, axis=0)
+    total = w.sum(axis=0)
     mean = _sums(w, x) / total
-    z = x - mean
+    n, d = x.shape[0], mean.size
+    table = aligned(5 * n + 18, d)
+    z, powers, rest = table[:n], table[n : 5 * n].reshape(4, n, d), table[5 * n :].reshape(9, 2, d)
+    sums, cumulants, spare = rest[:4], rest[4:7], rest[7:]
+    np.subtract(x, mean, out=z)
     wz = (w if w.ndim == 2 else w[:, None]) * z
     spread = _sums(wz, z)
     q = _sums(wz, log_y if log_y.ndim == 2 else log_y[:, None]) / spread  # wz sums to zero
     reach = np.sqrt(spread / total)
     least = _WIDE * reach * reach
-    powers, sums = np.empty((4, *z.shape)), np.empty((4, 2, z.shape[1]))
+    if not (least.min() > _LEAST and least.max() < 1 / _LEAST):
+        return None
     for _ in range(_FEW):
         np.exp(np.multiply(q, z, out=powers[0]), out=powers[0])
         for k in range(3):
@@ -97,28 +105,37 @@ def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None
         else:
             np.einsum("ij,kij->kj", y, powers, out=sums[:, 0])
         np.einsum("ij,kij->kj", powers[0], powers, out=sums[:, 1])
-        (t0, s0), (t1, s1), (t2, s2), (t3, s3) = _cumulants(sums)
-        h, slope, bend = t1 - s1, t2 - 2 * s2, t3 - 4 * s3
-        step = -2 * h * slope / (2 * slope * slope - h * bend)
-        size = np.max(np.abs(step) * reach)
-        if not size < _SHORT or np.count_nonzero((slope >= 0) | (s2 < least)):
+        of_y, of_fit = _cumulants(sums, cumulants, spare).swapaxes(0, 1)
+        h, slope, bend = of_y - _OF_FIT * of_fit
+        step = h * slope / (0.5 * (h * bend) - slope * slope)
+        size = (np.abs(step) * reach).max()
+        if not size < _SHORT or np.count_nonzero((slope >= 0) | (of_fit[1] < least)):
             return None
-        q = q + step
+        q += step
         if size < _CUBED_AWAY:
             break
     else:
         return None
+    (t1, t2, _), (s1, s2, s3) = of_y, of_fit
     centre = s1 + 2 * s2 * step + 2 * s3 * step * step
     grown = (t1 - 2 * s1) * step + (t2 / 2 - 2 * s2) * step * step  # of ln p, by the last step
     count("fits", len(q))
-    return mean + centre, t0 / s0 * np.exp(grown + q * centre), q
+    return mean + centre, sums[0, 0] / sums[0, 1] * np.exp(grown + q * centre), q
 
 
-def _cumulants(sums: Floats) -> tuple[Floats, Floats, Floats, Floats]:
-    """Sum of weights (...,) and the first three cumulants of z, of sums (4, ...) of weights times 1, z, z^2, z^3."""
-    m1, m2, m3 = sums[1:] / sums[0]
-    square = m1 * m1
-    return sums[0], m1, m2 - square, m3 - m1 * (3 * m2 - 2 * square)
+def _cumulants(sums: Floats, found: Floats, spare: Floats) -> Floats:
+    """The first three cumulants of z, in ``found`` (3, ...), of sums (4, ...) of weights times 1, z, z^2, z^3.
+    ``spare`` (2, ...) is written over."""
+    m1, m2, m3 = np.divide(sums[1:], sums[0], out=found)
+    square, skew = spare
+    np.multiply(m1, m1, out=square)
+    np.multiply(m2, 1.5, out=skew)
+    skew -= square
+    skew *= m1
+    skew *= 2
+    m3 -= skew
+    m2 -= square
+    return found
 
 
 def _sums(left: Floats, right: Floats) -> Floats:

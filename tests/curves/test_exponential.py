@@ -87,6 +87,13 @@ def test_thousands_of_designs_are_fitted_as_alone() -> None:
         np.testing.assert_allclose([p_of(together)[i], together.q[i]], [p_of(alone)[0], alone.q[0]], rtol=1e-13)
 
 
+def test_many_rows_that_share_x_and_y_are_as_many_fits() -> None:
+    x, y = curve(4)
+    alone, many = fit_exponential(x, y), fit_exponential(x, np.broadcast_to(y, (200, y.size)))
+    for name in ("x0", "y0", "q"):
+        np.testing.assert_allclose(getattr(many, name), np.full(200, getattr(alone, name)[0]), rtol=1e-14)
+
+
 def test_noise_of_any_size_ends_in_the_deepest_minimum() -> None:
     rng = np.random.default_rng(3)
     x, y = np.linspace(0, 1, 9), rng.uniform(0.05, 1, (300, 9))
@@ -137,6 +144,12 @@ def test_extreme_scales_cost_no_digits(scale: float) -> None:
     np.testing.assert_allclose(p_of(tall) / scale, p_of(fit), rtol=1e-12)
     np.testing.assert_allclose(wide.q * scale, fit.q, rtol=1e-12)
     np.testing.assert_allclose(p_of(wide), p_of(fit), rtol=1e-12)
+
+
+@pytest.mark.parametrize("scale", [2.0**-266, 2.0**-259, 2.0**259, 2.0**266])
+def test_extreme_scales_of_many_rows_cost_no_digits(scale: float) -> None:
+    x, y = np.array([curve(seed) for seed in range(150)]).swapaxes(0, 1)
+    np.testing.assert_allclose(fit_exponential(x * scale, y).q * scale, fit_exponential(x, y).q, rtol=1e-12)
 
 
 def test_two_points_determine_it() -> None:
