@@ -124,7 +124,7 @@ def _decode(tree: Any, arrays: list[np.ndarray]) -> Any:
     if kind == "array":
         return arrays[tree["at"]]
     if kind == "tuple":
-        return tuple(_decode(item, arrays) for item in tree["items"])
+        return tuple([_decode(item, arrays) if isinstance(item, dict) else item for item in tree["items"]])
     if kind == "dict":
         return {_decode(k, arrays): _decode(v, arrays) for k, v in tree["items"]}
     module, name = kind.split(":")

@@ -79,6 +79,7 @@ class StepPlan:
         self._below = None if store.below is None else Ledger(store.below)
         self.prints = memory_of_files(store.folder, warn)
         self._code, self._values = Code(self.prints), Values()
+        self._base = str(self.study.path.parent)
         self.steps: dict[str, Step] = {}
         self._of: dict[str, list[Step]] = {}
 
@@ -203,10 +204,10 @@ class StepPlan:
 
     def _portable(self, message: str) -> str:
         """A message as it is kept: a project that was moved or copied names its own files."""
-        return message.replace(f"{self.study.path.parent}{os.sep}", _PROJECT)
+        return message.replace(f"{self._base}{os.sep}", _PROJECT)
 
     def _here(self, message: str) -> str:
-        return message.replace(_PROJECT, f"{self.study.path.parent}{os.sep}") if message else ""
+        return message.replace(_PROJECT, f"{self._base}{os.sep}") if message else ""
 
     def _step(self, name: str, item: str) -> Step:
         own = stage(name)
@@ -226,10 +227,9 @@ class StepPlan:
                 unknown.append(source)
         reads: dict[str, FileState | None] = {}
         files: dict[str, str] = {}
-        base = str(self.study.path.parent)
         for paths in own.files(self.campaign, item).values():
             for path in map(str, paths):
-                reads[path], files[_beside(path, base)] = self.prints.seen(path)
+                reads[path], files[_beside(path, self._base)] = self.prints.seen(path)
         settings, types = self._values.part(own.settings(self.campaign, item))
         step = Step(name, item, Parts(settings, files, known, _NOTHING, _NOTHING), "", reads=reads, types=types)
         self._use_as_before(step)

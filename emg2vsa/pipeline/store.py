@@ -30,8 +30,9 @@ class WrittenFiles:
 
     def trouble(self, folder: Path, prints: Fingerprints) -> str:
         """Name of a file that is not there as it was written; "" where all are."""
+        above = str(folder)
         for name, known in zip(self.names, self.digests, strict=True):
-            found = prints.file(f"{folder}/{name}")
+            found = prints.file(f"{above}/{name}")
             if found != known:
                 return f"its file {name} {'is missing' if found == MISSING else 'was changed'}"
         return ""

@@ -147,8 +147,9 @@ def _by_entity(folder: str, names: Sequence[str], ending: str) -> _ByEntity:
 
     A side file applies where its entities are all the recording's own, so those of other recordings are not looked at.
     """
+    above = os.path.join(folder, "")
     files = [
-        (frozenset(name.removesuffix(ending).split("_")) - {""}, os.path.join(folder, name))
+        (frozenset(name.removesuffix(ending).split("_")) - {""}, above + name)
         for name in names
         if name.endswith(ending)
     ]

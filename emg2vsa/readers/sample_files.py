@@ -6,7 +6,6 @@ They are those that the decoder of the format (neo) reads. Of every other format
 from __future__ import annotations
 
 import filecmp
-import os
 from pathlib import Path
 
 _OPEN_EPHYS = ("**/structure.oebin", "**/continuous/*/*", "**/events/*/*", "**/events/*/*/*")
@@ -17,7 +16,7 @@ _BESIDE = {"structure.oebin": _OPEN_EPHYS, "info.rhd": _INTAN, "info.rhs": _INTA
 
 def sample_file_paths(path: Path) -> tuple[Path, ...]:
     """Every file but ``path`` that may hold samples of the recording, in order; a folder is listed for few names."""
-    patterns = _BESIDE.get(os.path.basename(path), ())
+    patterns = _BESIDE.get(path.name, ())
     found = {file for pattern in patterns for file in path.parent.glob(pattern) if file.is_file()}
     return tuple(sorted(found - {path}))
 

@@ -39,7 +39,6 @@ def settings(campaign: Campaign, item: str) -> dict[str, Any]:
 
 
 def files(campaign: Campaign, item: str) -> dict[str, Sequence[str | Path]]:
-    folder = campaign.study.path.parent
     found: dict[str, Sequence[str | Path]] = {}
     mvc = campaign.recordings[item].mvc_files
     sides: list[str | Path] = [side for path in mvc for side in _beside(campaign, path)]
@@ -51,7 +50,7 @@ def files(campaign: Campaign, item: str) -> dict[str, Sequence[str | Path]]:
         found |= {
             _role("emg", number): own[:1],
             _role("force", number): own[1:],
-            _role("calibration", number): (folder / calibration,) if calibration else (),
+            _role("calibration", number): (campaign.study.path.parent / calibration,) if calibration else (),
         }
     return {**found, "mvc": mvc, "beside": sides}
 
