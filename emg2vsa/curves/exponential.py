@@ -89,7 +89,7 @@ def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None
     z, powers, rest = table[:n], table[n : 5 * n].reshape(4, n, d), table[5 * n :].reshape(9, 2, d)
     sums, cumulants, spare = rest[:4], rest[4:7], rest[7:]
     np.subtract(x, mean, out=z)
-    wz = (w if w.ndim == 2 else w[:, None]) * z
+    wz = np.multiply(w if w.ndim == 2 else w[:, None], z, out=powers[0])
     spread = _sums(wz, z)
     q = _sums(wz, log_y if log_y.ndim == 2 else log_y[:, None]) / spread  # wz sums to zero
     reach = np.sqrt(spread / total)
@@ -106,8 +106,13 @@ def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None
             np.einsum("ij,kij->kj", y, powers, out=sums[:, 0])
         np.einsum("ij,kij->kj", powers[0], powers, out=sums[:, 1])
         of_y, of_fit = _cumulants(sums, cumulants, spare).swapaxes(0, 1)
-        h, slope, bend = of_y - _OF_FIT * of_fit
-        step = h * slope / (0.5 * (h * bend) - slope * slope)
+        derivatives = spare.reshape(4, d)[:3]  # in the table, as what follows writes over them
+        h, slope, bend = np.subtract(of_y, np.multiply(_OF_FIT, of_fit, out=derivatives), out=derivatives)
+        bend *= h
+        bend *= 0.5
+        bend -= slope * slope
+        h *= slope
+        step = h / bend  # Halley's: 2 h h' / (h h'' - 2 h'^2)
         size = (np.abs(step) * reach).max()
         if not size < _SHORT or np.count_nonzero((slope >= 0) | (of_fit[1] < least)):
             return None
@@ -117,7 +122,8 @@ def _of_plain_rows(x: Floats, y: Floats) -> tuple[Floats, Floats, Floats] | None
     else:
         return None
     (t1, t2, _), (s1, s2, s3) = of_y, of_fit
-    centre = s1 + 2 * s2 * step + 2 * s3 * step * step
+    twice = 2 * step
+    centre = s1 + s2 * twice + s3 * twice * step
     grown = (t1 - 2 * s1) * step + (t2 / 2 - 2 * s2) * step * step  # of ln p, by the last step
     count("fits", len(q))
     return mean + centre, sums[0, 0] / sums[0, 1] * np.exp(grown + q * centre), q
