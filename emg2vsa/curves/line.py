@@ -97,7 +97,7 @@ def _fit(x: Floats, y: Floats, weights: Floats | None) -> tuple[Line, Floats]:
 
 def line_of_sums(p: int, x_mean: Floats, y_mean: Floats, sxx: Floats, slope: Floats, syy: Floats, sse: Floats) -> Line:
     """Lines through p > 2 points a row that count alike and differ in x, by means (d,), sums about them (d,), slopes
-    (d,) and sums of residuals (d,). Rows on common x may have one mean (1,) and one sum about it."""
+    (d,) and sums of residuals (d,). Rows on common x may have one mean and one sum about it."""
     slope_se, unexplained = np.sqrt(sse / ((p - 2) * sxx)), sse / syy
     return Line(
         intercept=y_mean - slope * x_mean,

@@ -83,9 +83,9 @@ def _lines(force: Floats, v: Floats) -> Line:
 
 def _sums(force: Floats, v: Floats) -> tuple[Floats, ...]:
     """Of rows (k,): means of v, sums of v about its mean times x = ln F - 1 and times itself; means of x, sums of x^2.
-    Rows on common forces have one mean (1,) and one sum of x^2."""
+    Rows on common forces have one mean and one sum of x^2."""
     weights, common, parts = uniform(v.shape[1], 1 / v.shape[1]), force.ndim == 1, []
-    x = np.log(force)[None] - _MIDDLE if common else force
+    x = np.log(force) - _MIDDLE if common else force
     for cut in _blocks(v, _SUMMED_AT_ONCE):
         if not common:
             x = np.log(force[cut], order="C")  # as sums of columns would end in another last bit

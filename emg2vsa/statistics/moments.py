@@ -21,19 +21,24 @@ class GroupMoments(NamedTuple):
     """d designs of up to k groups of up to n values. Numbers are in units of 2^unit of the data, per design.
 
     counts (d, k). offset (d, k): means relative to the first value of the design, 0 for an empty group. squares (d, k):
-    sums of squared deviations from the group's mean. deviation (d, k, n): those deviations, 0 where there is no value,
-    valid (d, k, n): where there is one. unit (d,): binary exponents, None where all are 0. mean (d, k): in the data's
-    unit, NaN where empty. each : the number of values of a group where all have the same, else 0.
+    sums of squared deviations from the group's mean. deviation (d, k, n): those deviations, 0 where there is no value.
+    there (d, k, n): where there is one, None for everywhere. unit (d,): binary exponents, None where all are 0.
+    mean (d, k): in the data's unit, NaN where empty. each : values of a group where all have the same, else 0.
     """
 
     counts: Ints
     offset: Floats
     squares: Floats
     deviation: Floats
-    valid: NDArray[np.bool_]
+    there: NDArray[np.bool_] | None
     unit: NDArray[np.int32] | None
     mean: Floats
     each: int
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """(d, k, n) where there is a value."""
+        return uniform(self.deviation.shape, True) if self.there is None else self.there
 
     def to_data(self, scaled: Floats) -> Floats:
         """Numbers (d, ...) of the first power of the data, back in the data's own unit: a scalar or more of each
@@ -79,8 +84,7 @@ def _of_whole_groups(doubles: Floats, origin: Floats | None) -> GroupMoments | N
     mean = first + offset
     if origin is not None:
         mean += origin[:, None]
-    valid = uniform(doubles.shape, True)
-    return GroupMoments(uniform((d, k), n), offset, squares, deviation, valid, None, mean, n)
+    return GroupMoments(uniform((d, k), n), offset, squares, deviation, None, None, mean, n)
 
 
 def _of_groups(doubles: Floats, origin: Floats | None) -> GroupMoments:
