@@ -6,7 +6,9 @@ a run that finds everything fresh.
 
 from __future__ import annotations
 
-from dataclasses import MISSING, FrozenInstanceError, dataclass, field, fields, is_dataclass
+from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field, fields, is_dataclass
+from functools import cache
+from operator import attrgetter
 from typing import Any, TypeVar, dataclass_transform
 
 _Settings = TypeVar("_Settings")
@@ -29,7 +31,7 @@ def settings_class(cls: type[_Settings]) -> type[_Settings]:
 
 def _init(self: Any, **given: Any) -> None:
     values, name = self.__dict__, type(self).__name__
-    for each in fields(self):
+    for each in _fields_of(self.__class__):
         if each.name in given:
             values[each.name] = given.pop(each.name)
         elif each.default is not MISSING:
@@ -42,21 +44,29 @@ def _init(self: Any, **given: Any) -> None:
         raise TypeError(f"{name}.__init__() got unexpected keyword arguments: {', '.join(given)}")
 
 
-def _values(self: Any) -> tuple[Any, ...]:
-    return tuple(getattr(self, each.name) for each in fields(self))
+@cache
+def _fields_of(cls: type[Any]) -> tuple[Field[Any], ...]:
+    return fields(cls)
+
+
+@cache
+def _values_of(cls: type[Any]) -> attrgetter[Any]:
+    """What gives the values of all fields; with the class, as a getter has one name or more."""
+    return attrgetter("__class__", *(each.name for each in fields(cls)))
 
 
 def _repr(self: Any) -> str:
-    shown = (f"{each.name}={getattr(self, each.name)!r}" for each in fields(self))
+    shown = (f"{each.name}={getattr(self, each.name)!r}" for each in _fields_of(self.__class__))
     return f"{type(self).__qualname__}({', '.join(shown)})"
 
 
 def _eq(self: Any, other: object) -> bool:
-    return _values(self) == _values(other) if type(other) is type(self) else NotImplemented
+    values = _values_of(self.__class__)
+    return values(self) == values(other) if type(other) is type(self) else NotImplemented
 
 
 def _hash(self: Any) -> int:
-    return hash(_values(self))
+    return hash(_values_of(self.__class__)(self))
 
 
 def _setattr(self: Any, name: str, value: object) -> None:
