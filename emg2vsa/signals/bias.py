@@ -65,7 +65,7 @@ class BiasBudget:
     @staticmethod
     def of(shifts: Sequence[Shift], n_presses: int) -> BiasBudget:
         """The sum of the shifts of each cause; what is not known (NaN) counts as none."""
-        seen = [one for one in shifts if any(np.any((each != 0) & ~np.isnan(each)) for each in one[1:])]
+        seen = [one for one in shifts if any(((each != 0) & ~np.isnan(each)).any() for each in one[1:])]
         causes = tuple(cause for cause in CAUSES if any(one.cause == cause for one in seen))
         rows = np.zeros((4, len(causes), n_presses))
         for one in seen:

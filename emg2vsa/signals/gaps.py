@@ -98,7 +98,7 @@ def _held(x: Floats, longest: int) -> Ints:
     straight = np.abs(steps[1:] - steps[:-1]) <= STRAIGHT * float(x.max() - x.min())
     # most runs are short: a converter's steps repeat by chance
     at, beyond = np.flatnonzero(straight), longest - 2
-    if not np.any(at[beyond:] - at[: max(at.size - beyond, 0)] == beyond):
+    if not (at[beyond:] - at[: max(at.size - beyond, 0)] == beyond).any():
         return np.empty(0, np.int64)
     first, last = runs_of(straight)
     long = last - first >= longest - 1

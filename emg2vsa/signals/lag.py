@@ -376,11 +376,13 @@ def _scatter(y: Floats, level: Ints, heard: Floats, coarse: int) -> tuple[Floats
     begin, end = max(0, -int(lags[0])), y.size - max(0, int(lags[-1]))
     own_y, own_heard = y[begin:end], heard[begin:end]
     heard_y, rows = own_heard * own_y, np.empty((lags.size, end - begin))
+    weights = None if own_heard.all() else own_heard
     for row, lag in zip(rows, lags.tolist(), strict=True):
         own = level[begin + lag : end + lag]
-        mean = np.bincount(own, heard_y) / np.maximum(np.bincount(own, own_heard), 1)
+        mean = np.bincount(own, heard_y) / np.maximum(np.bincount(own, weights), 1)
         np.square(np.subtract(own_y, mean[own], out=row), out=row)
-        row *= own_heard
+        if weights is not None:
+            row *= weights
     return rows, begin
 
 

@@ -92,7 +92,7 @@ def spectra(samples: Sequence[Floats], bounds: Ints, length: int, fs_hz: float) 
         if x.size < length:
             continue
         sums = np.zeros((len(bounds), 2 * (step + 1)))
-        every = np.lib.stride_tricks.sliding_window_view(x, length)
+        every = np.lib.stride_tricks.as_strided(x, (x.size - length + 1, length), 2 * x.strides)
         for part in slices(piece.size, length):
             segments = every[begins[part]]
             segments -= segments.mean(axis=1, keepdims=True)

@@ -109,7 +109,7 @@ def falling_share(force_n: Floats, tolerance_n: float) -> float:
     """Share of the path of ``force_n`` (n,) that falls; reversals up to ``tolerance_n`` are noise, not counted. Both in
     N."""
     rising = force_n[1:] > force_n[:-1]
-    if force_n.size < 2 or np.all(rising):
+    if force_n.size < 2 or rising.all():
         return 0.0
     turns = np.flatnonzero(rising[1:] != rising[:-1]) + 1
     rise, fall = _paths((*force_n[[0, *turns, -1]].tolist(),), tolerance_n)

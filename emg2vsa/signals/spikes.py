@@ -52,7 +52,7 @@ class Profile:
             ordered = np.sort(each, axis=0)
             known = np.count_nonzero(np.isfinite(each), axis=0)
             two = np.maximum(np.stack(((known - 1) // 2, known // 2)), 0)
-            lower, upper = np.take_along_axis(ordered, np.minimum(two, p - 1), axis=0)
+            lower, upper = ordered[np.minimum(two, p - 1), np.arange(12)]
             profiles.append(Profile(middle, each, np.where(known > 0, (lower + upper) / 2, np.nan)))
         return profiles
 

@@ -96,7 +96,7 @@ def traits_of(
         press_v=np.array([_median_known(row) for row in level_v]),
         press_band_hz=_band_hz(own, overview.frequency_hz),
         rest_density=smooth,
-        noise_v=np.sqrt(np.median(smooth[:, round(NOISE_FROM * smooth.shape[1]) :], axis=1)),
+        noise_v=np.sqrt([median(row) for row in smooth[:, round(NOISE_FROM * smooth.shape[1]) :]]),
         frequency_hz=overview.frequency_hz,
         spectrum=total / total.sum() if total.sum() > 0 else np.full(total.size, np.nan),
         line_hz=_line_hz(samples, fs_hz, rests),
