@@ -86,7 +86,11 @@ class Place:
         environment = {**os.environ, "PATH": self.path, "PYTHON": python, "CALLS": str(self.calls)}
         command = [str(BASH), str(self.folder / "scripts" / "setup"), *arguments]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-        calls = [line for line in self.calls.read_text().splitlines() if not re.search("compileall|--help", line)]
+        calls = [
+            line
+            for line in self.calls.read_text().splitlines()
+            if not re.search("compileall|--help|environment.py|sys.executable", line)
+        ]
         return done.returncode, calls, done.stderr
 
     def with_pip_alone(self) -> None:
@@ -166,8 +170,71 @@ def test_an_unknown_argument_and_an_old_python_are_refused(place: Place) -> None
     assert (status, calls) == (2, [])
     assert said == 'setup: the argument is "run" or "test", not "everything".\n'
     old = place.folder / "tools" / "old"
-    old.write_text('#!/bin/sh\n[ "$1" = --version ] && echo Python 3.9.2\n')
+    old.write_text('#!/bin/sh\ncase "$*" in --version) echo Python 3.9.2 ;; *version_info*) exit 1 ;; esac\n')
     old.chmod(0o755)
     status, _, said = place.setup(python=str(old))
     assert status == 2
-    assert said.startswith("setup: Python 3.11 or newer is needed, this is Python 3.9.2.")
+    assert said.endswith("/old is Python 3.9.2. Python 3.11 or newer is needed. Set PYTHON=/path/to/python3.\n")
+
+
+def test_what_cannot_be_is_refused_in_a_sentence(place: Place) -> None:
+    assert place.setup("run", "test")[::2] == (
+        2, 'setup: one argument is expected, "run" or "test", but found 2: run test.\n',
+    )  # fmt: skip
+    status, _, said = place.setup(python="/nowhere/python")
+    assert status == 2
+    assert said.startswith("setup: /nowhere/python does not start, or is no Python. Python 3.11 or newer is needed.")
+    (place.folder / ".venv").write_text("")
+    assert place.setup()[::2] == (2, "setup: .venv is no folder. Remove it, and run this again.\n")
+
+
+def test_an_installation_that_failed_says_that_it_is_not_done(place: Place) -> None:
+    (place.folder / "tools" / "uv").write_text(FAKE_UV + '[ "$2" != install ]\n')
+    assert place.setup()[2].endswith("setup: .venv is not done, for the reason above. Mend that, and run this again.\n")
+
+
+def test_an_environment_that_cannot_be_used_is_made_anew(place: Place) -> None:
+    place.setup()
+    (place.folder / ".venv" / "bin" / "python").write_text("#!/bin/sh\necho numpy is gone >&2\nexit 1\n")
+    _, calls, said = place.setup()
+    assert calls[0].startswith("uv venv")
+    assert said.startswith("setup: .venv is made anew: numpy is gone\n")
+    (place.folder / ".venv" / "bin" / "python").unlink()  # as where the Python that it was made of was removed
+    assert place.setup()[1][0].startswith("uv venv")
+    assert place.setup() == (0, [], "")
+
+
+def said_of_ours(*words: str) -> str:
+    """What is wrong with the environment of these sources."""
+    environment = ROOT / ".venv"
+    if environment.is_symlink() or not environment.is_dir():
+        pytest.skip("no .venv of this folder")
+    command = [str(environment / "bin" / "python"), "-I", "scripts/environment.py", *words]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False).stderr.strip()
+
+
+def test_an_environment_is_held_against_locks_and_python(tmp_path: Path) -> None:
+    lock = tmp_path / "a.lock"
+    text = (ROOT / LOCKS[0]).read_text()
+    assert said_of_ours(LOCKS[0], "--", sys.executable) == ""
+    lock.write_text(re.sub("^packaging==.*? ", "packaging==1.0 ", text, flags=re.M))
+    assert re.fullmatch(r"packaging is \S+ in place of 1\.0", said_of_ours(str(lock)))
+    lock.write_text(text + "not-there==1.0 \\\n    --hash=sha256:0\n")
+    assert said_of_ours(str(lock)) == "not-there is gone"
+    lock.write_text(text + "not-there==1.0 ; sys_platform == 'win32' \\\n    --hash=sha256:0\n")
+    assert said_of_ours(str(lock)) == ""
+    other = tmp_path / "python"
+    other.write_text("#!/bin/sh\necho '\"/elsewhere\"'\n")
+    other.chmod(0o755)
+    assert said_of_ours("--", str(other)).startswith("it is of another Python, ")
+
+
+def test_an_environment_of_a_copied_folder_is_known(tmp_path: Path) -> None:
+    if said_of_ours():
+        pytest.fail("the environment of these sources is not sound")
+    python = str(ROOT / ".venv" / "bin" / "python")
+    script = str(ROOT / "scripts" / "environment.py")
+    (tmp_path / ".venv" / "bin").mkdir(parents=True)
+    shutil.copy(ROOT / ".venv" / "bin" / "emg2vsa", tmp_path / ".venv" / "bin")
+    done = subprocess.run([python, "-I", script], cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.stderr == "its commands are of another folder\n"

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from casr.errors import InputError
+from casr.errors import InputError, PassingError
 from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.estimate import estimate_kappa
 from casr.kappa.known import KnownSensor
@@ -33,25 +34,29 @@ def design_by_pins(
 ) -> DesignByPins:
     """Kappa of the new specimen by the pins of the runs at one angle under one condition.
 
-    kappa, kappa_se : specimen to its stiffness and standard error, N/mm; that of the new one, if there, is the truth
-    that its estimate is held against and enters no fit. Specimens without a stiffness are left out. domes : specimen to
+    kappa, kappa_se : specimen to its stiffness and standard error, N/mm; that of the new one is not looked at.
+    Specimens without a stiffness, or without a press whose pins could be followed, are left out. domes : specimen to
     the tables that its pins are held against, those of casr where not given. mounting_sd_percent : scatter of kappa
-    from one mounting to the next.
+    from one mounting to the next. PassingError : the tables that come with casr are damaged.
     """
     design = runs[0].angle_deg, runs[0].condition
     new = next((run for run in runs if run.specimen == new_specimen), None)
     known = [run for run in runs if run.specimen in kappa and run.specimen != new_specimen]
-    if new is None or len(known) < LEAST_SPECIMENS:
-        return DesignByPins(*design, None, "the new specimen or two known ones have no scores here")
+    unseen = [run for run in known if not any(run.pins)]
+    if new is None or len(known) - len(unseen) < LEAST_SPECIMENS:
+        wanted = "the new specimen and two known ones with scores, and with pins that can be followed"
+        return DesignByPins(*design, None, f"expected {wanted}, but found fewer")
     stated = np.array([kappa[run.specimen] for run in known])
     errors = np.array([kappa_se.get(run.specimen, 0.0) for run in known])
     of_runs = [domes.get(run.specimen, NO_DOMES) for run in (*known, new)]
-    truth = kappa.get(new_specimen, float("nan"))
     try:
-        found = _kappa_by_pins(known, new, stated, errors, truth, of_runs, confidence, mounting_sd_percent)
+        found = _kappa_by_pins(known, new, stated, errors, of_runs, confidence, mounting_sd_percent)
+    except PassingError:  # which says nothing of the presses
+        raise
     except InputError as error:
         return DesignByPins(*design, None, str(error))
-    return DesignByPins(*design, found)
+    left = tuple(f"{run.name} is left out: none of its presses has pins that can be followed" for run in unseen)
+    return DesignByPins(*design, replace(found, notes=(*left, *found.notes)))
 
 
 def _kappa_by_pins(
@@ -59,14 +64,13 @@ def _kappa_by_pins(
     new: RunScores,
     kappa: Floats,
     kappa_se: Floats,
-    truth: float,
     domes: Sequence[Domes],
     confidence: float,
     mounting_sd_percent: float,
 ) -> PinsResult:
     """kappa, kappa_se : (S,) of the known specimens. domes : of them and the new one. InputError : the pins tell
     none."""
-    camera = camera_of((*known, new))
+    camera = camera_of([*(run for run in known if any(run.pins)), new])
     library = library_of(camera, domes)
     of_known = known_presses(known, kappa, kappa_se)
     found = estimate_kappa(
@@ -76,7 +80,7 @@ def _kappa_by_pins(
     own, rest = found.kappas[new.specimen], [found.kappas.get(run.specimen) for run in known]
     left_out = np.array([(each.value, each.low, each.high) if each else (np.nan,) * 3 for each in rest])
     return PinsResult(
-        kappa=own.value, low=own.low, high=own.high, error=own.value / truth - 1, determined=own.determined,
+        kappa=own.value, low=own.low, high=own.high, error=np.nan, determined=own.determined,
         expected=own.expected, bound_sd=own.bound_sd, efficiency=own.efficiency, by_cue=own.by_cue,
         misfit=found.misfit, presses=own.n_presses, left_out=left_out[:, 0], left_out_low=left_out[:, 1],
         left_out_high=left_out[:, 2], log_sd=own.log_sd, freedom=own.freedom, kappa0=own.kappa0, notes=found.notes,

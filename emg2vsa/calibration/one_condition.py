@@ -90,7 +90,7 @@ class OneCondition:
         return dataclasses.replace(self.settings, **PAPER["calibration"]) if way == "paper" else self.settings
 
     def result(self, scatter: Mapping[Way, MountingScatter], by_pins: DesignByPins) -> ConditionResult:
-        depth = self._indentation(scatter["indentation"])
+        depth, pins = self._indentation(scatter["indentation"]), by_pins.pins
         return ConditionResult(
             angle_deg=self.new.angle_deg,
             condition=self.new.condition,
@@ -100,7 +100,7 @@ class OneCondition:
             exponent=1 / self._growth,
             algorithms=self._algorithms(depth, scatter),
             indentation=None if depth is None else law_result(depth, self.truth),
-            pins=by_pins.pins,
+            pins=pins and dataclasses.replace(pins, error=pins.kappa / self.truth - 1),
             no_pins=by_pins.no_pins,
         )
 

@@ -53,9 +53,10 @@ def library_of(camera: Camera, domes: Sequence[Domes]) -> Library:
 
 
 def known_presses(known: Sequence[RunScores], kappa: Floats, kappa_se: Floats) -> list[KappaPress]:
-    """Presses of S specimens with their stiffness and its standard error, (S,) N/mm. DataError as ``presses_of``."""
+    """Presses of S specimens with their stiffness and its standard error, (S,) N/mm; none of one whose pins could not
+    be followed."""
     stated = zip(known, kappa.tolist(), kappa_se.tolist(), strict=True)
-    return [press for run, value, error in stated for press in presses_of(run, value, error / value)]
+    return [press for run, value, error in stated if any(run.pins) for press in presses_of(run, value, error / value)]
 
 
 def presses_of(run: RunScores, known: float | None, sd: float) -> list[KappaPress]:

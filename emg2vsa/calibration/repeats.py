@@ -242,8 +242,9 @@ def _noise(groups: Floats, means: Floats, own_noise: bool) -> tuple[Floats, Floa
 
 
 def _end(law: Law, eta: Floats) -> Floats:
+    """No stiffness is below 0, which the straight law does not know."""
     kappa = kappa_of(law, eta)
-    return np.where(eta <= 0, np.inf, kappa) if law == "compliance" else kappa
+    return np.where(eta <= 0, np.inf, kappa) if law == "compliance" else np.maximum(kappa, 0.0)
 
 
 def side_by_side(known: Floats, new: Floats) -> Floats:

@@ -138,9 +138,10 @@ class AlgorithmResult:
 class PinsResult:
     """The stiffness of the new specimen by the whole field of the pins (``casr.kappa``), N/mm, with its total interval.
 
-    error : kappa over the known kappa, minus 1. determined : whether the design promises a half width of at most
-    ``casr.kappa.posterior.DETERMINED``; expected : that half width, as a share of kappa. bound_sd : of ln kappa, by the
-    bound of Cramer and Rao for the noise of the pins. efficiency : that over the standard error reached.
+    error : kappa over the known kappa, minus 1; NaN before the calibration knows it. determined : whether the design
+    promises a half width of at most ``casr.kappa.posterior.DETERMINED``; expected : that half width, as a share of
+    kappa. bound_sd : of ln kappa, by the bound of Cramer and Rao for the noise of the pins. efficiency : that over the
+    standard error reached.
     by_cue : kappa and standard error of ln kappa by each cue alone. misfit : share of the motion that no dome explains.
     presses : how many of the new specimen count. left_out, left_out_low, left_out_high : (S,) each known specimen as
     the others say, NaN where they are fewer than two. log_sd, freedom, kappa0 : as of ``casr.kappa.posterior.Kappa``,

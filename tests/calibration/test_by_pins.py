@@ -10,7 +10,8 @@ import pytest
 
 from benchmarks.kappa import CAMERA, Trial, presses_of
 from casr.camera import KEYS
-from casr.dome.library import shipped
+from casr.dome.library import DIGESTS, SHIPPED, shipped, tables, worlds
+from casr.errors import PassingError
 from casr.kappa.estimate import estimate_kappa
 from emg2vsa.calibration.by_pins import design_by_pins
 from emg2vsa.calibration.online_pins import PinsEstimator
@@ -148,7 +149,8 @@ def test_where_the_pins_tell_none_the_law_through_casr_counts(
     runs: list[RunScores], change: dict[str, object], why: str
 ) -> None:
     change = {"pins": (None,) * len(runs[0].pins)} if "pins" in change else change
-    changed = [replace(run, **change) if run.specimen == "S1" else run for run in runs]  # type: ignore[arg-type]
+    whose = "S_new" if "pins" in change else "S1"
+    changed = [replace(run, **change) if run.specimen == whose else run for run in runs]  # type: ignore[arg-type]
     condition = calibrated(changed)
     assert condition.pins is None
     assert why in condition.no_pins
@@ -175,3 +177,30 @@ def test_a_thin_new_specimen_beside_others_of_no_stated_height_is_refused(runs: 
     thin = {"S_new": Domes(None, 10.0)}
     assert "found 10 to 25 mm (25 mm where none is stated)" in calibrated(runs, thin).no_pins
     assert calibrated(runs, {"S_new": Domes(None, 24.0)}).pins is not None
+
+
+def test_a_specimen_none_of_whose_pins_were_followed_is_as_one_that_nobody_pressed(runs: list[RunScores]) -> None:
+    blind = [replace(run, pins=(None,) * len(run.pins)) if run.specimen == "S3" else run for run in runs]
+    found, without = calibrated(blind).pins, calibrated([run for run in runs if run.specimen != "S3"]).pins
+    assert found is not None
+    assert without is not None
+    assert (found.kappa, found.low, found.high) == (without.kappa, without.low, without.high)
+    assert any("is left out: none of its presses has pins that can be followed" in note for note in found.notes)
+    assert np.isnan(found.left_out).sum() == np.isnan(without.left_out).sum() + 1
+    few = by_pins([replace(run, pins=()) if run.specimen in ("S3", "S1") else run for run in runs], KAPPA)
+    assert few.pins is None
+    assert few.no_pins.startswith("expected the new specimen and two known ones with scores, and with pins")
+
+
+def test_damaged_tables_are_no_word_on_the_presses(runs: list[RunScores], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(DIGESTS, SHIPPED, "0" * 64)
+    for cached in (shipped, tables, worlds):
+        cached.cache_clear()
+    try:
+        with pytest.raises(PassingError, match=r"library\.npz: expected the tables that casr was made with"):
+            by_pins(runs, KAPPA)
+        with pytest.raises(PassingError):
+            online_calibrations(runs, KAPPA, "S_new", (0.5, 7.0), QUICK)
+    finally:
+        for cached in (shipped, tables, worlds):
+            cached.cache_clear()

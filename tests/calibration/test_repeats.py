@@ -17,10 +17,11 @@ from emg2vsa.calibration.forms import (
     indentation_exponent,
     mount_share,
 )
+from emg2vsa.calibration.laws import LAWS
 from emg2vsa.calibration.left_out import left_out
 from emg2vsa.calibration.mountings import mounting_scatter
 from emg2vsa.calibration.presses import within
-from emg2vsa.calibration.repeats import _noise, by_kappa, by_mean_score, repeat_interval
+from emg2vsa.calibration.repeats import _noise, by_kappa, by_mean_score, ends_on_law, repeat_interval
 from emg2vsa.calibration.unknown import estimate
 from emg2vsa.errors import DataError
 from emg2vsa.settings import CalibrationSettings
@@ -261,3 +262,10 @@ def test_it_is_said_where_the_scatter_is_from_and_what_it_costs(hertz):
     assert "1 % of CASR is 3." in notes
     once = calibrate(hertz.kappa, scores[0, :3], settings, casr_unit="u", mounting_sd=0.025)
     assert "assumed: CASR differs by 2.5 %" in " ".join(estimate(once, scores[0, 3]).notes())
+
+
+def test_no_end_of_an_interval_is_below_zero() -> None:
+    for law in LAWS:
+        low, high = ends_on_law(law, np.array([0.5, 2.0]), np.array([3.0, 50.0]))
+        assert (low >= 0).all()
+        assert (high > low).all()

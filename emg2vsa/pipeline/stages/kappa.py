@@ -13,13 +13,12 @@ if TYPE_CHECKING:
 
 
 def settings(campaign: Campaign, item: str) -> dict[str, Any]:
-    """Of the specimens that are pressed there alone."""
+    """Of the specimens that are pressed there alone; the true stiffness of the new one enters nothing here."""
     study, source = campaign.study, campaign.study.runs_source
     pressed = {campaign.runs[key].specimen for key in campaign.designs[item]}
-    kappa, errors, heights = (
-        {specimen: value for specimen, value in sorted(of.items()) if specimen in pressed}
-        for of in (*study.kappa_of_scores, study.heights_mm)
-    )
+    known = pressed - {study.profile.new_specimen}
+    kappa, errors = ({specimen: of[specimen] for specimen in sorted(known & of.keys())} for of in study.kappa_of_scores)
+    heights = {specimen: height for specimen, height in sorted(study.heights_mm.items()) if specimen in pressed}
     return {
         "specimens": kappa,
         "standard errors": errors,
