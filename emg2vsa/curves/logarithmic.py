@@ -226,7 +226,7 @@ def _t_quantile(dof: NDArray[np.int64] | Floats, confidence: float) -> Floats | 
     """Student t (k,), or one for all, of a two-sided interval; NaN where dof is 0."""
     first = dof.item(0) if dof.size else 0
     if first > 0 and np.count_nonzero(dof == first) == dof.size:
-        return float(special.stdtrit(int(first), 0.5 + 0.5 * confidence))
+        return float(special.stdtrit(first, 0.5 + 0.5 * confidence))
     distinct, where = np.unique(dof, return_inverse=True)
     quantile = special.stdtrit(np.where(distinct > 0, distinct, np.nan), 0.5 + 0.5 * confidence)
     return np.asarray(quantile, dtype=np.float64)[where]

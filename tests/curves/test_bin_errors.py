@@ -122,3 +122,13 @@ def test_degrees_of_freedom_are_those_of_the_recording() -> None:
     fitted = fit_presses(force, v, 200 * np.arange(21), np.linspace(0.5, 7, 22), FitSettings())
     reach = (fitted.reported.b_hi - fitted.reported.b_lo) / (2 * fitted.reported.b_se)
     assert np.all(reach < 4.31)
+
+
+def test_a_press_alone_has_the_interval_that_it_has_beside_others() -> None:
+    """Degrees of freedom of correlated points are no whole numbers."""
+    force_n = np.geomspace(0.5, 7, 12)
+    two = fit_log(force_n, np.stack([np.log(force_n), force_n]))
+    one = fit_log(force_n, np.log(force_n)[None])
+    factor, dof = np.full(2, 1.5), np.array([2.9, 7.1])
+    beside, alone = widen(two, factor, factor, dof, 0.95), widen(one, factor[:1], factor[:1], dof[:1], 0.95)
+    assert (alone.b_lo[0], alone.b_hi[0]) == (beside.b_lo[0], beside.b_hi[0])
