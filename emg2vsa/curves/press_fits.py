@@ -198,9 +198,9 @@ def without_line(correlation: Floats, n: Floats) -> Floats:
     of the effective number of values, which follows from the result. An upper
     bound rather than an estimate: it limits degrees of freedom, and no standard error rests on it.
     """
-    share = np.zeros((len(correlation), 1))
+    share, discounts = np.zeros((len(correlation), 1)), _discounts(correlation, n)
     for _ in range(ROUNDS):
-        worth = n / effective_number(correlation * (1 - share) + share, n)
+        worth = n / _effective(correlation * (1 - share) + share, n, discounts)
         found = np.minimum(PARAMETERS * worth / np.maximum(n, 1), MOST_SHARE)
         share = np.where(np.isnan(found), 0.0, found)[:, None]
     return correlation * (1 - share) + share
@@ -223,9 +223,17 @@ def effective_number(correlation: Floats, n: Floats) -> Floats:
     n / (1 + 2 sum (1 - j / n) r_j) over the ``memory``; NaN where the autocorrelation is.
     The formula is that of Bayley and Hammersley (1946).
     """
+    return _effective(correlation, n, _discounts(correlation, n))
+
+
+def _discounts(correlation: Floats, n: Floats) -> Floats:
+    """1 - j / n (k, p - 1) of the lags j from 1 on."""
+    return np.asarray(1 - np.arange(1, correlation.shape[1]) / np.maximum(n, 1)[:, None])
+
+
+def _effective(correlation: Floats, n: Floats, discounts: Floats) -> Floats:
+    """``effective_number`` (k,), by the ``_discounts``."""
     if correlation.shape[1] < 2:
         return np.full(len(correlation), np.nan)
-    lags = np.arange(1, correlation.shape[1])
-    length = np.maximum(n, 1)[:, None]
-    worth = 1 + 2 * np.sum((1 - lags / length) * memory(correlation)[:, 1:], axis=1)
-    return np.where(np.isnan(correlation[:, 1]), np.nan, np.clip(n / worth, 1, length[:, 0]))
+    worth = 1 + 2 * np.sum(discounts * memory(correlation)[:, 1:], axis=1)
+    return np.where(np.isnan(correlation[:, 1]), np.nan, np.clip(n / worth, 1, np.maximum(n, 1)))

@@ -25,6 +25,9 @@ def times(rows: Floats, matrix: Floats) -> Floats:
         return times(rows[..., :LONGEST], matrix[:LONGEST]) + times(rows[..., LONGEST:], matrix[LONGEST:])
     product = np.empty((m, n, q))
     width = OF_A_VECTOR // max(p, 1)
+    if q <= width:
+        _fill(product, rows, matrix)
+        return product
     for left in range(0, q, width):
         columns = slice(left, left + width)
         _fill(product[..., columns], rows, matrix[:, columns])
@@ -41,4 +44,5 @@ def _fill(product: Floats, rows: Floats, matrix: Floats) -> None:
     if whole:
         parts = rows[:, :whole].reshape(m, -1, at_once, p)
         np.matmul(parts, matrix, out=product[:, :whole].reshape(m, -1, at_once, q))
-    np.matmul(rows[:, whole:], matrix, out=product[:, whole:])
+    if whole < n:
+        np.matmul(rows[:, whole:], matrix, out=product[:, whole:])
