@@ -190,7 +190,7 @@ def test_what_cannot_be_is_refused_in_a_sentence(place: Place) -> None:
 
 def test_an_installation_that_failed_says_that_it_is_not_done(place: Place) -> None:
     (place.folder / "tools" / "uv").write_text(FAKE_UV + '[ "$2" != install ]\n')
-    assert place.setup()[2].endswith("setup: .venv is not done, for the reason above. Mend that, and run this again.\n")
+    assert place.setup()[2].endswith("setup: .venv is not done. Mend what is said above, and run this again.\n")
 
 
 def test_an_environment_that_cannot_be_used_is_made_anew(place: Place) -> None:

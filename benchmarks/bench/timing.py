@@ -96,8 +96,8 @@ def timed(
 ) -> list[Timed]:
     """Times of runs that were each called once already, which took ``first_s``.
 
-    rounds : in each, every run has one turn; the order is turned by one each time. A run that has used ``budget_s`` has
-    no further turn, but every run has one.
+    rounds : in each, every run has one turn, in an order that is drawn: what a run leaves in the processor's caches
+    must not always meet the same other one. A run that has used ``budget_s`` has no further turn, but each has one.
     """
     calls = []
     for run, first in zip(runs, first_s, strict=True) if rounds else ():
@@ -105,8 +105,9 @@ def timed(
         calls.append(max(1, min(10_000, round(SHORTEST_S / max(again, 1e-7)))))
     times = np.full((len(runs), rounds), np.nan)
     spent = np.zeros(len(runs))
+    order = np.random.default_rng(len(runs))
     for turn in range(rounds):
-        for way in np.roll(np.arange(len(runs)), -turn).tolist():
+        for way in order.permutation(len(runs)).tolist():
             if turn and spent[way] >= budget_s:
                 continue
             times[way, turn] = _mean(runs[way], calls[way], clock)

@@ -32,7 +32,7 @@ def of_tests(results: StudyResults) -> bool:
 def of_kappa(results: StudyResults) -> bool:
     """Whether a stiffness was estimated from them."""
     calibration = results.runs.calibration if results.runs else None
-    return of_tests(results) and calibration is not None and bool(calibration.conditions)
+    return calibration is not None and bool(calibration.conditions)
 
 
 def tested(results: StudyResults) -> Discrimination:
@@ -98,9 +98,10 @@ def ends_of(found: Any, i: int) -> tuple[float, float, float]:
 
 def looks(results: StudyResults) -> dict[str, Look]:
     """Looks of every specimen that was pressed; those of the study keep their own."""
-    found = tested(results)
-    new = found.new.name if found.new else None
-    others = [name for name in found.table.specimens if name != new]
+    pressed, new = results.pressed, results.study.profile.new_specimen
+    tests = pressed.discrimination
+    specimens = tests.table.specimens if tests else [run.specimen for run in pressed.scores]
+    others = [name for name in specimens if name != new]
     return looks_of(list(dict.fromkeys([*results.specimens, *others])), new)
 
 

@@ -423,6 +423,16 @@ def test_runs_that_could_not_be_tested_are_shown_with_the_reason_and_claim_nothi
     assert not [key for key in found if key.startswith(("claims.casr", "claims.reduction"))]
 
 
+def test_a_stiffness_stays_where_the_tests_of_runs_failed(whole, tmp_path):
+    failed = (*whole.failures, Failure("study", "discrimination", "S9 has no stiffness"))
+    write_study_report(replace(whole, runs=replace(whole.runs, discrimination=None), failures=failed), tmp_path)
+    found = json.loads((tmp_path / "results.json").read_text())
+    assert found["runs.high-stiffness.0.kappa.n_per_mm"] == pytest.approx(
+        whole.runs.calibration.headline("high-stiffness", 0.0, "front").kappa
+    )
+    assert (tmp_path / "tables" / "kappa_new.csv").is_file()
+
+
 def test_without_an_estimate_the_reason_is_told(whole, calibration, content):
     nothing = replace(calibration, conditions=(), notes=("No stiffness was estimated: no new specimen.",))
     results = replace(whole, runs=replace(whole.runs, calibration=nothing))

@@ -12,7 +12,7 @@ from emg2vsa.claims import paper
 from emg2vsa.discrimination.run_table import HUMAN_LIKE, RIGID
 from emg2vsa.figures.casr import Estimate, draw_calibrations, draw_estimates
 from emg2vsa.report import designs
-from emg2vsa.report.designs import of_kappa, tested
+from emg2vsa.report.designs import of_kappa
 from emg2vsa.report.drawing import Drawing
 from emg2vsa.report.inputs import StudyResults
 from emg2vsa.report.numbers import Items, fields_of, named, with_interval
@@ -238,7 +238,7 @@ def _equation(law: LawResult) -> str | None:
 
 def _ratio_here(results: StudyResults, q: Quantities, angle_deg: float) -> float:
     """Mean CASR of the softest over that of the stiffest of the paper's specimens; NaN where one was not pressed."""
-    unit, ends = tested(results).table.area_unit, (_SOFTEST, _STIFFEST)
+    unit, ends = results.pressed.scores[0].area_unit, (_SOFTEST, _STIFFEST)
     if any(results.study.stiffness_n_per_mm.get(name) != paper.KAPPA_N_PER_MM[name] for name in ends):
         return np.nan
     of = [f"runs.{HUMAN_LIKE}.{angle_deg:g}.{name}.casr_{unit}_per_n.mean" for name in ends]
