@@ -57,7 +57,7 @@ def _base(python: str) -> str:
 def _first_file(record: str) -> str:
     """The first code of a distribution, as its record names it."""
     files = (line.partition(",")[0] for line in record.splitlines())
-    return next((file for file in files if file.endswith((".py", ".so")) and not file.startswith("..")), "")
+    return next((file for file in files if file.endswith(".py") and not file.startswith("..")), "")
 
 
 if __name__ == "__main__":
