@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import MISSING, Field, FrozenInstanceError, dataclass, field, fields, is_dataclass
 from functools import cache
+from inspect import Parameter, Signature
 from operator import attrgetter
 from typing import Any, TypeVar, dataclass_transform
 
@@ -27,6 +28,21 @@ def settings_class(cls: type[_Settings]) -> type[_Settings]:
         setattr(made, name, method)
     vars(made)["__dataclass_params__"].frozen = True  # so that frozen dataclasses may inherit from it
     return made
+
+
+class _Signature:
+    """How the class is called, for editors and notebooks; made when they ask for it."""
+
+    def __get__(self, instance: object, cls: Any) -> Signature:
+        def default(of: Field[Any]) -> Any:
+            made = of.default if of.default_factory is MISSING else of.default_factory()
+            return Parameter.empty if made is MISSING else made
+
+        kinds = {True: Parameter.KEYWORD_ONLY, False: Parameter.POSITIONAL_OR_KEYWORD}
+        ordered = sorted(_fields_of(cls), key=lambda each: bool(each.kw_only))
+        return Signature(
+            [Parameter(of.name, kinds[bool(of.kw_only)], default=default(of), annotation=of.type) for of in ordered]
+        )
 
 
 def _init(self: Any, **given: Any) -> None:
@@ -79,5 +95,5 @@ def _delattr(self: Any, name: str) -> None:
 
 _METHODS = {
     "__init__": _init, "__repr__": _repr, "__eq__": _eq, "__hash__": _hash, "__setattr__": _setattr,
-    "__delattr__": _delattr,
+    "__delattr__": _delattr, "__signature__": _Signature(),
 }  # fmt: skip

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import inspect
 import pickle
 from dataclasses import FrozenInstanceError, asdict, dataclass, field, fields, is_dataclass, replace
 
@@ -90,3 +91,11 @@ def test_wrong_keywords_are_refused(kind: type, given: dict[str, int], said: str
 def test_methods_of_the_class_itself_are_kept() -> None:
     assert repr(OursBelow(a=1)) == "mine"
     assert repr(TheirsBelow(a=1)) == "TheirsBelow(a=1, b=1.5, c=('x',), d={}, e='e')"
+
+
+@pytest.mark.parametrize(("ours", "theirs"), [(Ours, Theirs), (TheirsBelow, TheirsBelow)])
+def test_editors_and_notebooks_are_told_the_keywords(ours: type, theirs: type) -> None:
+    shown, known = inspect.signature(ours).parameters, inspect.signature(theirs).parameters
+    assert [(each.name, each.kind) for each in shown.values()] == [(each.name, each.kind) for each in known.values()]
+    assert shown["a"].default is inspect.Parameter.empty
+    assert shown["d"].default == {}
