@@ -11,7 +11,7 @@ from scipy import special
 
 from casr.counts import count
 from emg2vsa.arrays import Floats, uniform, unmasked
-from emg2vsa.curves.line import SAFE, Line, fit_line, fit_line_huber, join, line_of_sums
+from emg2vsa.curves.line import SAFE, Line, check_rows, fit_line, fit_line_huber, join, line_of_sums
 
 LEVEL_FLOOR = 0.1
 """Smallest fitted level that sets a weight, as a share of the trial's largest: no weight exceeds 100 times another."""
@@ -55,11 +55,12 @@ def fit_log(force_n: ArrayLike, v: ArrayLike, robust: bool = False, confidence: 
     force_n : (p,) for a common grid, or (k, p), newtons. v : (p,) or (k, p).
     Rows of different length are padded: a point counts only where F > 0 and F and v are finite
     and not masked.
-    robust : Huber weights.
+    robust : Huber weights. DataError where the shapes do not fit.
     """
     v = np.asarray(unmasked(v), dtype=np.float64)
     v = v if v.ndim == 2 else np.atleast_2d(v)
     force = np.asarray(unmasked(force_n), dtype=np.float64)
+    check_rows(force, v, None, "logarithmic fit, force_n and v")
     return _log_fit(_in_blocks(force, v, robust=True) if robust else _lines(force, v), confidence)
 
 

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from emg2vsa.curves.logarithmic import LEVEL_FLOOR, LogFit, _fit_points, _log_fit, fit_log, level_weights
+from emg2vsa.errors import DataError
 
 A_V, B_V = 30e-6, 15e-6
 seeds = st.integers(0, 2**32 - 1)
@@ -235,3 +236,11 @@ def test_level_weights_are_equal_where_there_is_no_level() -> None:
     nowhere_positive, undefined = fit_log([1.0, 2.0, 3.0], [-1.0, -2.0, -3.5]), fit_log([1.0], [1.0])
     assert (level_weights(nowhere_positive.at([1.0, 2.0])) == 1).all()
     assert (level_weights(undefined.at([1.0, 2.0])) == 1).all()
+
+
+@pytest.mark.parametrize("robust", [False, True])
+def test_shapes_that_do_not_fit_are_told(robust: bool) -> None:
+    with pytest.raises(DataError, match=r"logarithmic fit, force_n and v: expected x of shape \(2, 5\) or \(5,\), but"):
+        fit_log(np.ones(4), np.ones((2, 5)), robust)
+    with pytest.raises(DataError, match=r"expected y of shape \(designs, points\), but found \(1, 2, 5\)"):
+        fit_log(np.ones(5), np.ones((1, 2, 5)), robust)
