@@ -79,10 +79,9 @@ Made by `python -m benchmarks.scale`. CPU seconds of one process, one thread. Th
 documentation site shows them here.
 
 **Answer.** Time, memory and files of a whole run grow no faster than the participants up to 1 000. With 5 000, five
-times as many, it took 8.7 times the CPU and 7 times the memory, beside other work: the trend over places in a session
-had a column for every person. That trend alone took 50 s and 1.3 GB for 4 000 people; it takes 0.3 s and 0.1 GB now,
-and the row of 5 000 is older. Screening compares all pairs of recordings. Memory of a stream of frames does not grow.
-A second of a session costs no more after two hours.
+times as many, it took 5.9 times the CPU, beside other work, and 3.2 times the memory: screening compares all pairs of
+recordings, and is a fifth of it. Memory of a stream of frames does not grow. A second of a session costs no more after
+two hours. Rows of different commits may be of different processors: seconds compare within one commit.
 
 ![People: time, memory and page over participants](scale_people.svg)
 
