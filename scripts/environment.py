@@ -7,7 +7,6 @@ Locks are those that were installed. PYTHON : the one that is asked for, where o
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import subprocess
@@ -51,7 +50,7 @@ def _locked(text: str) -> dict[str, list[str]]:
 
 
 def _base(python: str) -> str:
-    return json.loads(subprocess.check_output([python, "-c", "import json, sys; print(json.dumps(sys.base_prefix))"]))
+    return subprocess.check_output([python, "-c", "import sys; print(sys.base_prefix)"], text=True).strip()
 
 
 def _first_file(record: str) -> str:

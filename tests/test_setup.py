@@ -224,7 +224,7 @@ def test_an_environment_is_held_against_locks_and_python(tmp_path: Path) -> None
     lock.write_text(text + "not-there==1.0 ; sys_platform == 'win32' \\\n    --hash=sha256:0\n")
     assert said_of_ours(str(lock)) == ""
     other = tmp_path / "python"
-    other.write_text("#!/bin/sh\necho '\"/elsewhere\"'\n")
+    other.write_text("#!/bin/sh\necho /elsewhere\n")
     other.chmod(0o755)
     assert said_of_ours("--", str(other)).startswith("it is of another Python, ")
 

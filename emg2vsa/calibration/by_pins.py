@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from casr.errors import InputError, PassingError
+from casr.errors import CasrError
 from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.estimate import estimate_kappa
 from casr.kappa.known import KnownSensor
@@ -15,6 +15,7 @@ from emg2vsa.arrays import Floats
 from emg2vsa.calibration.online_pins import KnownPins
 from emg2vsa.calibration.pinned_presses import camera_of, known_presses, library_of, presses_of
 from emg2vsa.calibration.results import DesignByPins, PinsResult
+from emg2vsa.errors import DataError
 from emg2vsa.run_scores import RunScores
 from emg2vsa.run_scores.domes import NO_DOMES, Domes
 
@@ -51,9 +52,7 @@ def design_by_pins(
     of_runs = [domes.get(run.specimen, NO_DOMES) for run in (*known, new)]
     try:
         found = _kappa_by_pins(known, new, stated, errors, of_runs, confidence, mounting_sd_percent)
-    except PassingError:  # which says nothing of the presses
-        raise
-    except InputError as error:
+    except (CasrError, DataError) as error:  # no PassingError, which says nothing of the presses
         return DesignByPins(*design, None, str(error))
     left = tuple(f"{run.name} is left out: none of its presses has pins that can be followed" for run in unseen)
     return DesignByPins(*design, replace(found, notes=(*left, *found.notes)))

@@ -13,7 +13,7 @@ from scipy import special
 
 from casr.camera import Camera
 from casr.dome.library import Library
-from casr.errors import InputError, PassingError
+from casr.errors import CasrError
 from casr.kappa.discrepancy import Discrepancy
 from casr.kappa.estimate import fitted, press_fields, stated_errors
 from casr.kappa.family import Family, families
@@ -62,16 +62,14 @@ class KnownPins:
 def known_pins(known: Sequence[RunScores], kappa: Floats, kappa_se: Floats, domes: Sequence[Domes]) -> KnownPins | None:
     """What the pins of S known specimens say; None where they tell nothing.
 
-    kappa, kappa_se : (S,) N/mm. known, domes : as for ``kappa_by_pins``. PassingError : the tables that come with casr
+    kappa, kappa_se : (S,) N/mm. known, domes : as for ``design_by_pins``. PassingError : the tables that come with casr
     are damaged.
     """
     try:
         camera = camera_of(known)
         presses = known_presses(known, kappa, kappa_se)
         labels = fitted(presses, camera, families(library_of(camera, domes)), stated_errors(camera))
-    except PassingError:
-        raise
-    except InputError:
+    except (CasrError, DataError):  # no PassingError, which says nothing of the presses
         return None
     return KnownPins(KnownSensor.of(labels), camera, labels.family.digest)
 
